@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/problem/safety_problem.h"
+
+namespace s2nnds {
+
+// What must hold, defined once for losses, sampling, conformal calibration and proof. Each condition has a residual
+// rho(x) (the paper's rho_q) where it applies; rho <= 0 is good, and for strict conditions rho = 0 is a violation.
+enum class Condition {
+  lyapunov_positive,  // rho_1 = -V     < 0   on X without the goal
+  lyapunov_decrease,  // rho_2 = Vdot   < 0   on X without the goal, Vdot = grad V . f
+  initial,            // rho_3 = B     <= 0   on X0
+  unsafe,             // rho_4 = -B     < 0   on Xu
+  containment,        // rho_4 = -B     < 0   on the workspace's outer shell
+  barrier_decrease,   // rho_5 = Bdot   < 0   where |B| <= band, Bdot = grad B . f
+};
+inline constexpr std::array<Condition, 6> all_conditions = {
+    Condition::lyapunov_positive, Condition::lyapunov_decrease, Condition::initial,
+    Condition::unsafe,            Condition::containment,       Condition::barrier_decrease};
+inline constexpr Eigen::Index condition_count = all_conditions.size();
+
+std::string_view to_string(Condition condition);
+
+// rho <= 0 suffices; otherwise rho < 0 is needed.
+bool allows_zero(Condition condition);
+
+// Written so that NaN is a violation.
+inline bool is_violated(Condition condition, double residual) {
+  return allows_zero(condition) ? !(residual <= 0.0) : !(residual < 0.0);
+}
+
+// The residuals at N points [N, n] -> [N, condition_count]; -infinity where a condition does not apply. `band` is
+// eps_B, the half-width of the band around {B = 0}.
+Points residuals(const Networks& networks, const SafetyProblem& problem, double band, const Points& x);
+
+}  // namespace s2nnds

@@ -1,0 +1,135 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace s2nnds {
+
+// The admissible range of a number, for validation and for messages.
+struct Range {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool open_low = false;   // the lower end is excluded
+  bool open_high = false;  // the upper end is excluded
+
+  bool holds(double value) const;   // false for NaN
+  std::string describe() const;     // "> 0", ">= 1", "in [0, 1)" ...
+};
+inline Range at_least(double low) { return {.low = low}; }
+inline Range above(double low) { return {.low = low, .open_low = true}; }
+inline Range between(double low, double high) { return {.low = low, .high = high}; }
+inline Range inside(double low, double high) {
+  return {.low = low, .high = high, .open_low = true, .open_high = true};
+}
+inline Range any_number() { return {}; }  // infinite values allowed, NaN not
+
+// A list of options structs, as a visitor sees it.
+class StructList;
+
+// Options are structs with a default beside every field and one member `void visit(FieldVisitor&)` that names each
+// field once. Reading a configuration, writing it back, validating it and reporting it are visitors. `visit` may
+// branch on fields that it has visited already (a region's keys depend on its type).
+class FieldVisitor {
+ public:
+  virtual ~FieldVisitor() = default;
+
+  virtual void field(std::string_view name, bool& value) = 0;
+  virtual void field(std::string_view name, std::int64_t& value, Range range) = 0;
+  virtual void field(std::string_view name, double& value, Range range) = 0;
+  // One of `choices`; any text if there are none.
+  virtual void field(std::string_view name, std::string& value, const std::vector<std::string>& choices) = 0;
+  void field(std::string_view name, std::string& value) { field(name, value, {}); }
+  virtual void field(std::string_view name, std::vector<double>& value, Range range) = 0;
+  virtual void field(std::string_view name, std::vector<std::int64_t>& value, Range range) = 0;
+  virtual void field(std::string_view name, std::vector<std::string>& value) = 0;
+
+  template <typename T>
+  void group(std::string_view name, T& options) {
+    begin_group(name);
+    options.visit(*this);
+    end_group();
+  }
+  template <typename T>
+  void list(std::string_view name, std::vector<T>& elements);
+
+ protected:
+  virtual void begin_group(std::string_view name) = 0;
+  virtual void end_group() = 0;
+  virtual void visit_list(std::string_view name, StructList& list) = 0;
+};
+
+class StructList {
+ public:
+  virtual ~StructList() = default;
+  virtual std::size_t size() const = 0;
+  virtual void resize(std::size_t count) = 0;
+  virtual void visit(std::size_t index, FieldVisitor& visitor) = 0;
+};
+
+template <typename T>
+void FieldVisitor::list(std::string_view name, std::vector<T>& elements) {
+  struct List : StructList {
+    explicit List(std::vector<T>& all) : elements(all) {}
+    std::size_t size() const override { return elements.size(); }
+    void resize(std::size_t count) override { elements.resize(count); }
+    void visit(std::size_t index, FieldVisitor& visitor) override { elements[index].visit(visitor); }
+    std::vector<T>& elements;
+  } list(elements);
+  visit_list(name, list);
+}
+
+namespace options_detail {
+class AnyOptions {
+ public:
+  virtual ~AnyOptions() = default;
+  virtual void visit(FieldVisitor& visitor) = 0;
+};
+template <typename T>
+struct Wrapped final : AnyOptions {
+  explicit Wrapped(T& all) : options(all) {}
+  void visit(FieldVisitor& visitor) override { options.visit(visitor); }
+  T& options;
+};
+void read_toml(const std::string& text, const std::string& source, AnyOptions& options);
+std::string to_toml(AnyOptions& options);
+void validate(AnyOptions& options);
+std::vector<std::pair<std::string, std::string>> flatten(AnyOptions& options);
+}  // namespace options_detail
+
+// Sets the fields that the TOML `text` names; throws Error with `source`, line, key, what was found and what was
+// expected when a key is unknown (the nearest known one is suggested), has the wrong type or is out of range.
+template <typename T>
+void read_toml(const std::string& text, const std::string& source, T& options) {
+  options_detail::Wrapped<T> wrapped(options);
+  options_detail::read_toml(text, source, wrapped);
+}
+
+// Every field with its value, as TOML that read_toml takes back to the same options.
+template <typename T>
+std::string to_toml(T options) {
+  options_detail::Wrapped<T> wrapped(options);
+  return options_detail::to_toml(wrapped);
+}
+
+// Throws Error naming field, value and bound for the first field out of its range. For options set in code.
+template <typename T>
+void validate(T options) {
+  options_detail::Wrapped<T> wrapped(options);
+  options_detail::validate(wrapped);
+}
+
+// (dotted key, value as text) of every field, in order.
+template <typename T>
+std::vector<std::pair<std::string, std::string>> flatten(T options) {
+  options_detail::Wrapped<T> wrapped(options);
+  return options_detail::flatten(wrapped);
+}
+
+// `text` with "a.b.c=value" assignments applied; a value that is not TOML counts as a string.
+std::string with_overrides(const std::string& text, const std::string& source,
+                           const std::vector<std::string>& assignments);
+
+}  // namespace s2nnds

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace s2nnds {
+
+// N points (or velocities) of dimension n, one a row: [N, n]. Row-major, so that it shares the layout of tensors,
+// of HDF5 datasets and of numpy arrays.
+using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Vector = Eigen::VectorXd;
+
+}  // namespace s2nnds

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "s2nnds/core/points.h"
+
+namespace s2nnds {
+
+// One recorded motion of M samples. Raw: seconds and the file's length unit (LASA: mm; ds-opt: m). Normalised:
+// see normalization.h.
+struct Demonstration {
+  Vector time;      // [M] s, strictly increasing
+  Points position;  // [M, n]
+  Points velocity;  // [M, n], unit of position per second
+
+  Eigen::Index samples() const { return position.rows(); }
+  Eigen::Index dimension() const { return position.cols(); }
+};
+
+// Demonstrations of one motion, all of dimension n, as a reader returns them.
+struct DemonstrationSet {
+  std::string name;
+  std::string unit;  // of length: "mm", "m", or "" when the file does not say
+  std::vector<Demonstration> demonstrations;
+
+  Eigen::Index dimension() const;
+};
+
+// Throws Error naming `source` and the demonstration unless there is at least one demonstration, all have one
+// dimension n >= 2, at least 2 samples, equal lengths, finite numbers and increasing times.
+void check_demonstrations(const DemonstrationSet& set, const std::string& source);
+
+// All samples of several demonstrations, stacked: [sum M, n].
+Points stack_positions(const std::vector<Demonstration>& demonstrations);
+Points stack_velocities(const std::vector<Demonstration>& demonstrations);
+
+}  // namespace s2nnds

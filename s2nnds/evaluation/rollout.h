@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/problem/safety_problem.h"
+
+namespace s2nnds {
+
+enum class StopReason { reached_goal, entered_unsafe, left_workspace, time_out, step_failed };
+std::string_view to_string(StopReason reason);
+
+struct RolloutOptions {
+  double goal_radius = 0.02;          // normalised; reached_goal inside it
+  double duration = 60.0;             // longest normalised time
+  double absolute_tolerance = 1e-6;
+  double relative_tolerance = 1e-6;
+  bool stop_at_goal = true;
+  bool stop_at_unsafe = true;         // and at the workspace's edge
+
+  void visit(FieldVisitor& v);
+};
+
+// One motion of xdot = f(x), in normalised units.
+struct Rollout {
+  Vector time;      // [M]
+  Points position;  // [M, n]
+  StopReason stop = StopReason::time_out;
+};
+
+// Integrates with an adaptive Runge-Kutta method (Dormand-Prince 5(4), Boost.Odeint). Obstacle entry between steps is
+// located on the dense output. f must be n -> n.
+Rollout roll_out(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
+                 const RolloutOptions& options = {});
+
+// The position at each of `times` (ascending, normalised, from 0): [M, n]; never stops early.
+Points roll_out_at(const LayerStack& f, const Vector& start, const Vector& times,
+                   const RolloutOptions& options = {});
+
+// Labels for many starts at once: true where the rollout reaches the goal without touching the unsafe set or leaving
+// the workspace (or entering the shell). Fixed-step Runge-Kutta on batches; for training labels and areas, not proofs.
+struct BatchRolloutOptions {
+  double step = 0.02;
+  double duration = 40.0;
+  double goal_radius = 0.02;
+};
+std::vector<bool> rollout_is_safe(const LayerStack& f, const SafetyProblem& problem, const Points& starts,
+                                  const BatchRolloutOptions& options = {});
+
+}  // namespace s2nnds

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <functional>
+
+#include "s2nnds/data/demonstration.h"
+#include "s2nnds/evaluation/rollout.h"
+
+namespace s2nnds {
+
+// All in normalised units; `predicted` = f at the demonstrations' positions, [N, n].
+double mean_squared_error(const Points& predicted, const Points& velocity);   // mean |f(x) - xdot|^2
+double error_deviation(const Points& predicted, const Points& velocity);      // standard deviation of |f(x) - xdot|
+
+// Dependent dynamic time warping: Euclidean ground distance summed along the best path, divided by its length.
+double dtw(const Points& a, const Points& b);
+// sqrt(sum over axes of the axis's own squared-difference DTW).
+double dtw_independent(const Points& a, const Points& b);
+
+struct MotionErrors {
+  double mse = 0.0;
+  double sd = 0.0;
+  double dtw = 0.0;              // mean over demonstrations, NaN if there are none
+  double dtw_independent = 0.0;
+};
+// Velocity errors at the samples; DTW of the rollout from each demonstration's first point at its time stamps.
+MotionErrors motion_errors(const LayerStack& f, const std::vector<Demonstration>& demonstrations,
+                           const RolloutOptions& options = {});
+
+}  // namespace s2nnds

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "s2nnds/core/points.h"
+
+namespace s2nnds {
+
+enum class Activation { identity, tanh, elu, softplus, silu, sine };
+std::string_view to_string(Activation activation);
+Activation activation_from(std::string_view name);  // throws Error
+std::vector<std::string> activation_names();
+
+// a = activation(weight * z + bias)
+struct Layer {
+  Points weight;  // [out, in]
+  Vector bias;    // [out], or empty: no bias
+  Activation activation = Activation::identity;
+};
+
+// What is made of the layers' output N(x).
+enum class Head {
+  plain,         // y = N(x)
+  anchored,      // y = N(x) - N(0), so that y(0) = 0 exactly
+  squared_norm,  // y = |N(x) - N(0)|^2 + quadratic |x|^2: y(0) = 0, grad y(0) = 0, y > 0 elsewhere if quadratic > 0
+};
+std::string_view to_string(Head head);
+Head head_from(std::string_view name);  // throws Error
+
+// A network as numbers: the plain double snapshot that verification, evaluation and export see. It is what a
+// certificate speaks of.
+struct LayerStack {
+  std::vector<Layer> layers;
+  Head head = Head::plain;
+  double quadratic = 0.0;  // squared_norm only
+
+  Eigen::Index input_dimension() const;
+  Eigen::Index output_dimension() const;  // 1 for squared_norm
+  std::size_t parameter_count() const;
+  void check() const;                     // throws Error on mismatched shapes or non-finite weights
+
+  // y(x) for N points [N, n] -> [N, m], double precision.
+  Points value(const Points& x) const;
+  // y(x) and its derivative along `direction` [N, n]: d/ds y(x + s direction) at s = 0.
+  void value_and_derivative(const Points& x, const Points& direction, Points& value, Points& derivative) const;
+};
+
+// The three networks of a run.
+struct Networks {
+  LayerStack f;  // vector field, n -> n
+  LayerStack V;  // Lyapunov function, n -> 1
+  LayerStack B;  // barrier function, n -> 1
+};
+
+// SHA-256, in hexadecimal, of heads, activations, shapes and weights (little-endian doubles) of f, V, B in this order.
+std::string weight_hash(const Networks& networks);
+
+}  // namespace s2nnds

@@ -1,0 +1,25 @@
+# Every dependency of the library, where it is found, and the least version. Debian 12 packages all of them:
+# third_party/install.sh installs them.
+find_package(Threads REQUIRED)
+find_package(OpenMP 4.5 REQUIRED COMPONENTS CXX)
+find_package(Torch 1.13 REQUIRED)                             # networks, autograd, TorchScript
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)                   # plain matrices
+find_package(Boost 1.74 REQUIRED)                             # Math (incomplete beta), Odeint, Multiprecision (tests)
+find_package(HDF5 1.10 REQUIRED COMPONENTS C)                 # run files
+find_package(spdlog 1.10 REQUIRED)                            # the programs' log; brings fmt
+find_package(fmt 9 REQUIRED)
+find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)            # SHA-256 of the certified weights
+find_package(nlohmann_json 3.11 REQUIRED)                     # --json, published polynomials
+find_package(tomlplusplus 3.3 QUIET)                          # run configurations
+if(NOT TARGET tomlplusplus::tomlplusplus)
+  find_path(TOMLPLUSPLUS_INCLUDE_DIR toml++/toml.h REQUIRED)
+  add_library(tomlplusplus::tomlplusplus INTERFACE IMPORTED)
+  target_include_directories(tomlplusplus::tomlplusplus INTERFACE ${TOMLPLUSPLUS_INCLUDE_DIR})
+endif()
+find_path(MATIO_INCLUDE_DIR matio.h REQUIRED)                 # MATLAB files (1.5)
+find_library(MATIO_LIBRARY matio REQUIRED)
+if(NOT TARGET s2nnds_matio)
+  add_library(s2nnds_matio INTERFACE IMPORTED)
+  target_include_directories(s2nnds_matio INTERFACE ${MATIO_INCLUDE_DIR})
+  target_link_libraries(s2nnds_matio INTERFACE ${MATIO_LIBRARY})
+endif()
