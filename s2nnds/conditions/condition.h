@@ -8,8 +8,9 @@
 
 namespace s2nnds {
 
-// What must hold, defined once for losses, sampling, conformal calibration and proof. Each condition has a residual
-// rho(x) (the paper's rho_q) where it applies; rho <= 0 is good, and for strict conditions rho = 0 is a violation.
+// What must hold, defined once for losses, sampling, conformal calibration and proof. Each condition has a
+// residual rho(x) (the paper's rho_q) where it applies; rho <= 0 is good, and for strict conditions rho = 0
+// is a violation.
 enum class Condition {
   lyapunov_positive,  // rho_1 = -V     < 0   on X without the goal
   lyapunov_decrease,  // rho_2 = Vdot   < 0   on X without the goal, Vdot = grad V . f
@@ -19,8 +20,8 @@ enum class Condition {
   barrier_decrease,   // rho_5 = Bdot   < 0   where |B| <= band, Bdot = grad B . f
 };
 inline constexpr std::array<Condition, 6> all_conditions = {
-    Condition::lyapunov_positive, Condition::lyapunov_decrease, Condition::initial,
-    Condition::unsafe,            Condition::containment,       Condition::barrier_decrease};
+    Condition::lyapunov_positive, Condition::lyapunov_decrease, Condition::initial, Condition::unsafe,
+    Condition::containment,       Condition::barrier_decrease};
 inline constexpr Eigen::Index condition_count = all_conditions.size();
 
 std::string_view to_string(Condition condition);
@@ -33,8 +34,13 @@ inline bool is_violated(Condition condition, double residual) {
   return allows_zero(condition) ? !(residual <= 0.0) : !(residual < 0.0);
 }
 
-// The residuals at N points [N, n] -> [N, condition_count]; -infinity where a condition does not apply. `band` is
-// eps_B, the half-width of the band around {B = 0}.
+// The residuals at N points [N, n] -> [N, condition_count]; -infinity where a condition does not apply.
+// `band` is eps_B, the half-width of the band around {B = 0}. Nothing applies outside X; a point at the goal
+// itself (x = 0 exactly) is outside rho_1 and rho_2.
 Points residuals(const Networks& networks, const SafetyProblem& problem, double band, const Points& x);
+
+// One column of `residuals` [N], evaluating only the networks that it needs.
+Vector residual(Condition condition, const Networks& networks, const SafetyProblem& problem, double band,
+                const Points& x);
 
 }  // namespace s2nnds

@@ -1,0 +1,150 @@
+#include "s2nnds/conditions/condition.h"
+
+#include <cmath>
+#include <limits>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr double kDoesNotApply = -std::numeric_limits<double>::infinity();
+
+using Mask = Eigen::Array<bool, Eigen::Dynamic, 1>;
+
+// Negated comparisons: a NaN coordinate counts as inside, so that it ends as a violation and not as "does not
+// apply".
+Mask within(const Box& box, const Points& x) {
+  Mask inside(x.rows());
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    inside[i] = true;
+    for (Eigen::Index k = 0; k < x.cols(); ++k) {
+      inside[i] = inside[i] && !(x(i, k) < box.lower[k]) && !(x(i, k) > box.upper[k]);
+    }
+  }
+  return inside;
+}
+
+Mask within(const RegionPtr& region, const Points& x) {
+  if (!region) return Mask::Constant(x.rows(), false);
+  return region->level(x).array() <= 0.0;
+}
+
+Mask is_goal(const Points& x) { return (x.array() == 0.0).rowwise().all(); }
+
+Mask within_band(const Vector& barrier, double band) { return !(barrier.array().abs() > band); }
+
+// What the conditions are made of, for a set of points.
+struct Ingredients {
+  Vector lyapunov, lyapunov_derivative, barrier, barrier_derivative;  // V, Vdot, B, Bdot: each [N], or empty
+};
+
+Ingredients evaluate_all(const Networks& networks, const Points& x) {
+  const Points velocity = networks.f.value(x);
+  Points value, derivative;
+  Ingredients found;
+  networks.V.value_and_derivative(x, velocity, value, derivative);
+  found.lyapunov = value.col(0);
+  found.lyapunov_derivative = derivative.col(0);
+  networks.B.value_and_derivative(x, velocity, value, derivative);
+  found.barrier = value.col(0);
+  found.barrier_derivative = derivative.col(0);
+  return found;
+}
+
+Ingredients evaluate_for(Condition condition, const Networks& networks, const Points& x) {
+  Points value, derivative;
+  Ingredients found;
+  switch (condition) {
+    case Condition::lyapunov_positive:
+      found.lyapunov = networks.V.value(x).col(0);
+      break;
+    case Condition::lyapunov_decrease:
+      networks.V.value_and_derivative(x, networks.f.value(x), value, derivative);
+      found.lyapunov_derivative = derivative.col(0);
+      break;
+    case Condition::initial:
+    case Condition::unsafe:
+    case Condition::containment:
+      found.barrier = networks.B.value(x).col(0);
+      break;
+    case Condition::barrier_decrease:
+      networks.B.value_and_derivative(x, networks.f.value(x), value, derivative);
+      found.barrier = value.col(0);
+      found.barrier_derivative = derivative.col(0);
+      break;
+  }
+  return found;
+}
+
+Vector keep_where(const Mask& applies, const Vector& residual) {
+  return applies.select(residual.array(), kDoesNotApply);
+}
+
+// rho_q where it applies; `inside` says which points lie in X.
+Vector residual_of(Condition condition, const Ingredients& at, const SafetyProblem& problem, double band,
+                   const Mask& inside, const Points& x) {
+  switch (condition) {
+    case Condition::lyapunov_positive:
+      return keep_where(inside && !is_goal(x), -at.lyapunov);
+    case Condition::lyapunov_decrease:
+      return keep_where(inside && !is_goal(x), at.lyapunov_derivative);
+    case Condition::initial:
+      return keep_where(inside && within(problem.initial, x), at.barrier);
+    case Condition::unsafe:
+      return keep_where(inside && within(problem.unsafe, x), -at.barrier);
+    case Condition::containment:
+      return keep_where(inside && within(problem.shell, x), -at.barrier);
+    case Condition::barrier_decrease:
+      return keep_where(inside && within_band(at.barrier, band), at.barrier_derivative);
+  }
+  fail("condition: found the value {}, expected 0 to {}", static_cast<int>(condition), condition_count - 1);
+}
+
+void check_points(const SafetyProblem& problem, double band, const Points& x) {
+  check(x.cols() == problem.dimension(), "residuals: found points of dimension {}, expected {}", x.cols(),
+        problem.dimension());
+  check(band >= 0.0, "residuals: found band = {}, expected >= 0", band);
+}
+
+}  // namespace
+
+std::string_view to_string(Condition condition) {
+  switch (condition) {
+    case Condition::lyapunov_positive:
+      return "lyapunov_positive";
+    case Condition::lyapunov_decrease:
+      return "lyapunov_decrease";
+    case Condition::initial:
+      return "initial";
+    case Condition::unsafe:
+      return "unsafe";
+    case Condition::containment:
+      return "containment";
+    case Condition::barrier_decrease:
+      return "barrier_decrease";
+  }
+  fail("condition: found the value {}, expected 0 to {}", static_cast<int>(condition), condition_count - 1);
+}
+
+bool allows_zero(Condition condition) { return condition == Condition::initial; }
+
+Points residuals(const Networks& networks, const SafetyProblem& problem, double band, const Points& x) {
+  check_points(problem, band, x);
+  const Ingredients at = evaluate_all(networks, x);
+  const Mask inside = within(problem.workspace, x);
+  Points all(x.rows(), condition_count);
+  for (std::size_t i = 0; i < all_conditions.size(); ++i) {
+    all.col(static_cast<Eigen::Index>(i)) = residual_of(all_conditions[i], at, problem, band, inside, x);
+  }
+  return all;
+}
+
+Vector residual(Condition condition, const Networks& networks, const SafetyProblem& problem, double band,
+                const Points& x) {
+  check_points(problem, band, x);
+  return residual_of(condition, evaluate_for(condition, networks, x), problem, band,
+                     within(problem.workspace, x), x);
+}
+
+}  // namespace s2nnds
