@@ -4,6 +4,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace s2nnds {
@@ -15,8 +16,8 @@ struct Range {
   bool open_low = false;   // the lower end is excluded
   bool open_high = false;  // the upper end is excluded
 
-  bool holds(double value) const;   // false for NaN
-  std::string describe() const;     // "> 0", ">= 1", "in [0, 1)" ...
+  bool holds(double value) const;  // false for NaN; infinite values only where there is no bound at all
+  std::string describe() const;    // "a number > 0", "a number >= 1", "a number in [0, 1)", "a number" ...
 };
 inline Range at_least(double low) { return {.low = low}; }
 inline Range above(double low) { return {.low = low, .open_low = true}; }
@@ -29,9 +30,9 @@ inline Range any_number() { return {}; }  // infinite values allowed, NaN not
 // A list of options structs, as a visitor sees it.
 class StructList;
 
-// Options are structs with a default beside every field and one member `void visit(FieldVisitor&)` that names each
-// field once. Reading a configuration, writing it back, validating it and reporting it are visitors. `visit` may
-// branch on fields that it has visited already (a region's keys depend on its type).
+// Options are structs with a default beside every field and one member `void visit(FieldVisitor&)` that names
+// each field once. Reading a configuration, writing it back, validating it and reporting it are visitors.
+// `visit` may branch on fields that it has visited already (a region's keys depend on its type).
 class FieldVisitor {
  public:
   virtual ~FieldVisitor() = default;
@@ -95,23 +96,36 @@ struct Wrapped final : AnyOptions {
 };
 void read_toml(const std::string& text, const std::string& source, AnyOptions& options);
 std::string to_toml(AnyOptions& options);
+std::string to_json(AnyOptions& options);
 void validate(AnyOptions& options);
 std::vector<std::pair<std::string, std::string>> flatten(AnyOptions& options);
 }  // namespace options_detail
 
-// Sets the fields that the TOML `text` names; throws Error with `source`, line, key, what was found and what was
-// expected when a key is unknown (the nearest known one is suggested), has the wrong type or is out of range.
+// Sets the fields that the TOML `text` names; throws Error with `source`, line, key, what was found and what
+// was expected when a key is unknown (the nearest known one is suggested), has the wrong type or is out of
+// range. `options` stay as they were when it throws. A list of structs is an array of tables, which replaces
+// the old list.
 template <typename T>
 void read_toml(const std::string& text, const std::string& source, T& options) {
-  options_detail::Wrapped<T> wrapped(options);
+  T read = options;
+  options_detail::Wrapped<T> wrapped(read);
   options_detail::read_toml(text, source, wrapped);
+  options = std::move(read);
 }
 
-// Every field with its value, as TOML that read_toml takes back to the same options.
+// Every field with its value, as TOML that read_toml takes back to the same options. Throws Error for NaN.
 template <typename T>
 std::string to_toml(T options) {
   options_detail::Wrapped<T> wrapped(options);
   return options_detail::to_toml(wrapped);
+}
+
+// Every field with its value, as one JSON object with the fields in order; null for numbers that are not
+// finite.
+template <typename T>
+std::string to_json(T options) {
+  options_detail::Wrapped<T> wrapped(options);
+  return options_detail::to_json(wrapped);
 }
 
 // Throws Error naming field, value and bound for the first field out of its range. For options set in code.
@@ -121,14 +135,19 @@ void validate(T options) {
   options_detail::validate(wrapped);
 }
 
-// (dotted key, value as text) of every field, in order.
+// (dotted key, value as text) of every field, in order; elements of a list of structs count from 0:
+// "of.0.radius".
 template <typename T>
 std::vector<std::pair<std::string, std::string>> flatten(T options) {
   options_detail::Wrapped<T> wrapped(options);
   return options_detail::flatten(wrapped);
 }
 
-// `text` with "a.b.c=value" assignments applied; a value that is not TOML counts as a string.
+// The TOML `text` with "a.b.c=value" assignments applied, in order; a value that is not TOML counts as a
+// string, and a number within the key picks an element of an array ("of.0.radius"). Values keep the line that
+// they had in `text`, so that messages about them stay right; new ones follow after its last line; comments
+// go. Throws Error with `source` and line when `text` is not TOML, and naming the assignment that cannot be
+// made.
 std::string with_overrides(const std::string& text, const std::string& source,
                            const std::vector<std::string>& assignments);
 

@@ -1,0 +1,751 @@
+#include "s2nnds/core/options.h"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+
+bool Range::holds(double value) const {
+  const double infinity = std::numeric_limits<double>::infinity();
+  if (std::isinf(value)) return low == -infinity && high == infinity;
+  return (open_low ? value > low : value >= low) && (open_high ? value < high : value <= high);
+}
+
+std::string Range::describe() const {
+  const bool has_low = std::isfinite(low);
+  const bool has_high = std::isfinite(high);
+  if (has_low && has_high) {
+    return fmt::format("a number in {}{}, {}{}", open_low ? '(' : '[', low, high, open_high ? ')' : ']');
+  }
+  if (has_low) return fmt::format("a number {} {}", open_low ? ">" : ">=", low);
+  if (has_high) return fmt::format("a number {} {}", open_high ? "<" : "<=", high);
+  return "a number";
+}
+
+namespace {
+
+using options_detail::AnyOptions;
+
+// ---- Values as TOML text
+
+std::string string_text(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    switch (c) {
+      case '"':
+        out += "\\\"";
+        break;
+      case '\\':
+        out += "\\\\";
+        break;
+      case '\n':
+        out += "\\n";
+        break;
+      case '\t':
+        out += "\\t";
+        break;
+      case '\r':
+        out += "\\r";
+        break;
+      default:
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+          out += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+        } else {
+          out += c;
+        }
+    }
+  }
+  return out + '"';
+}
+
+std::string toml_text(bool value) { return value ? "true" : "false"; }
+std::string toml_text(std::int64_t value) { return fmt::format("{}", value); }
+std::string toml_text(const std::string& value) { return string_text(value); }
+
+// The shortest text that reads back to the same double; with a point or an exponent, since TOML tells
+// integers apart.
+std::string toml_text(double value) {
+  std::string text = fmt::format("{}", value);
+  return text.find_first_of(".ein") == std::string::npos ? text + ".0" : text;
+}
+
+template <typename T>
+std::string toml_text(const std::vector<T>& values) {
+  std::string out = "[";
+  for (std::size_t i = 0; i < values.size(); ++i) out += (i > 0 ? ", " : "") + toml_text(values[i]);
+  return out + "]";
+}
+
+std::string key_text(std::string_view key) {
+  const auto is_bare = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
+  return !key.empty() && std::all_of(key.begin(), key.end(), is_bare) ? std::string(key) : string_text(key);
+}
+
+std::string toml_text(const toml::node& node);
+
+std::string table_text(const toml::table& table) {
+  std::string out = "{";
+  for (const auto& [key, value] : table) {
+    out += fmt::format("{}{} = {}", out.size() > 1 ? ", " : "", key_text(key.str()), toml_text(value));
+  }
+  return out + "}";
+}
+
+// On one line, so that an array keeps the line of its key.
+std::string array_text(const toml::array& array) {
+  std::string out = "[";
+  for (const toml::node& element : array) out += (out.size() > 1 ? ", " : "") + toml_text(element);
+  return out + "]";
+}
+
+std::string toml_text(const toml::node& node) {
+  if (const auto* table = node.as_table()) return table_text(*table);
+  if (const auto* array = node.as_array()) return array_text(*array);
+  if (const auto* text = node.as_string()) return string_text(text->get());
+  if (const auto* number = node.as_floating_point()) return toml_text(number->get());
+  if (const auto* number = node.as_integer()) return toml_text(number->get());
+  if (const auto* flag = node.as_boolean()) return toml_text(flag->get());
+  std::ostringstream out;  // dates and times
+  node.visit([&out](const auto& value) {
+    if constexpr (toml::is_chronological<decltype(value)>) out << value.get();
+  });
+  return out.str();
+}
+
+// What stands in the file, for messages: `an integer 3`, `a string "abc"`.
+std::string found(const toml::node& node) {
+  if (node.is_table()) return "a table";
+  if (node.is_array()) return fmt::format("a list of {}", node.as_array()->size());
+  if (node.is_string()) return "a string " + toml_text(node);
+  if (node.is_floating_point()) return "a number " + toml_text(node);
+  if (node.is_integer()) return "an integer " + toml_text(node);
+  if (node.is_boolean()) return "a truth value " + toml_text(node);
+  return "a date or time " + toml_text(node);
+}
+
+toml::table parse(const std::string& text, const std::string& source) {
+  try {
+    return toml::parse(text, source);
+  } catch (const toml::parse_error& error) {
+    fail("{}:{}: not TOML: {}", source, error.source().begin.line, error.description());
+  }
+}
+
+// ---- Misspelt names
+
+// Levenshtein distance, with a swap of two neighbours counted as one edit.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
+  for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      d[i][j] =
+          std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+// The candidate nearest to `name`, if it is near enough to be what was meant.
+template <typename Names>
+std::optional<std::string> nearest(std::string_view name, const Names& candidates) {
+  std::optional<std::string> best;
+  std::size_t best_distance = 1 + name.size() / 3;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = edit_distance(name, candidate);
+    if (distance < best_distance || (distance == best_distance && !best)) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+template <typename Names>
+std::string joined(const Names& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+// ---- Visitors
+
+// Keeps the dotted name of the group that is being visited.
+class NamedVisitor : public FieldVisitor {
+ protected:
+  std::string name_of(std::string_view name) const { return prefix() + std::string(name); }
+  std::string prefix() const { return groups_.empty() ? "" : groups_.back(); }
+
+  void begin_group(std::string_view name) override { groups_.push_back(name_of(name) + "."); }
+  void end_group() override { groups_.pop_back(); }
+  void visit_list(std::string_view name, StructList& list) override {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      begin_group(fmt::format("{}.{}", name, i));
+      list.visit(i, *this);
+      end_group();
+    }
+  }
+
+ private:
+  std::vector<std::string> groups_;
+};
+
+// `where` is "file:line: " or empty.
+template <typename T>
+void check_range(const std::string& where, const std::string& name, T value, const Range& range) {
+  check(range.holds(static_cast<double>(value)), "{}{}: expected {}, found {}", where, name, range.describe(),
+        value);
+}
+
+void check_choice(const std::string& where, const std::string& name, const std::string& value,
+                  const std::vector<std::string>& choices) {
+  if (choices.empty() || std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+  const auto guess = nearest(value, choices);
+  fail("{}{}: expected one of {}, found {}{}", where, name, joined(choices), string_text(value),
+       guess ? fmt::format("; did you mean {}?", *guess) : "");
+}
+
+class Validator final : public NamedVisitor {
+ public:
+  void field(std::string_view, bool&) override {}
+  void field(std::string_view name, std::int64_t& value, Range range) override {
+    check_range("", name_of(name), value, range);
+  }
+  void field(std::string_view name, double& value, Range range) override {
+    check_range("", name_of(name), value, range);
+  }
+  void field(std::string_view name, std::string& value, const std::vector<std::string>& choices) override {
+    check_choice("", name_of(name), value, choices);
+  }
+  void field(std::string_view name, std::vector<double>& value, Range range) override {
+    check_each(name, value, range);
+  }
+  void field(std::string_view name, std::vector<std::int64_t>& value, Range range) override {
+    check_each(name, value, range);
+  }
+  void field(std::string_view, std::vector<std::string>&) override {}
+
+ private:
+  template <typename T>
+  void check_each(std::string_view name, const std::vector<T>& values, const Range& range) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      check_range("", fmt::format("{}[{}]", name_of(name), i), values[i], range);
+    }
+  }
+};
+
+template <typename T>
+constexpr std::string_view expected_type = "";
+template <>
+constexpr std::string_view expected_type<bool> = "true or false";
+template <>
+constexpr std::string_view expected_type<std::int64_t> = "an integer";
+template <>
+constexpr std::string_view expected_type<double> = "a number";
+template <>
+constexpr std::string_view expected_type<std::string> = "a string";
+template <>
+constexpr std::string_view expected_type<std::vector<double>> = "a list of numbers";
+template <>
+constexpr std::string_view expected_type<std::vector<std::int64_t>> = "a list of integers";
+template <>
+constexpr std::string_view expected_type<std::vector<std::string>> = "a list of strings";
+
+class TomlReader final : public NamedVisitor {
+ public:
+  TomlReader(const toml::table& root, std::string source) : root_(root), source_(std::move(source)) {
+    tables_.push_back(&root_);
+  }
+
+  // To be called after the visit, which is what tells the known keys.
+  void check_for_unknown_keys() const { check_table(root_, ""); }
+
+  void field(std::string_view name, bool& value) override { read(name, value); }
+  void field(std::string_view name, std::int64_t& value, Range range) override {
+    if (const auto* node = read(name, value)) check_range(where(*node), name_of(name), value, range);
+  }
+  void field(std::string_view name, double& value, Range range) override {
+    if (const auto* node = read(name, value)) check_range(where(*node), name_of(name), value, range);
+  }
+  void field(std::string_view name, std::string& value, const std::vector<std::string>& choices) override {
+    if (const auto* node = read(name, value)) check_choice(where(*node), name_of(name), value, choices);
+  }
+  void field(std::string_view name, std::vector<double>& value, Range range) override {
+    check_each(read(name, value), name, value, range);
+  }
+  void field(std::string_view name, std::vector<std::int64_t>& value, Range range) override {
+    check_each(read(name, value), name, value, range);
+  }
+  void field(std::string_view name, std::vector<std::string>& value) override { read(name, value); }
+
+ protected:
+  void begin_group(std::string_view name) override {
+    const toml::node* node = find(name);
+    enter(name, node);
+  }
+  void end_group() override {
+    tables_.pop_back();
+    NamedVisitor::end_group();
+  }
+  void visit_list(std::string_view name, StructList& list) override {
+    const toml::node* node = find(name);
+    if (node == nullptr) return;
+    const toml::array* array = node->as_array();
+    check(array != nullptr, "{}{}: expected a list of tables, found {}", where(*node), name_of(name),
+          found(*node));
+    list.resize(0);
+    list.resize(array->size());
+    for (std::size_t i = 0; i < array->size(); ++i) {
+      enter(fmt::format("{}.{}", name, i), array->get(i));
+      list.visit(i, *this);
+      end_group();
+    }
+  }
+
+ private:
+  std::string where(const toml::node& node) const { return where(node.source()); }
+  std::string where(const toml::source_region& region) const {
+    return fmt::format("{}:{}: ", source_, region.begin.line);
+  }
+
+  // The node of that name in the table being read, or null; from now on the name is known.
+  const toml::node* find(std::string_view name) {
+    known_[prefix()].push_back(std::string(name));
+    return tables_.back() == nullptr ? nullptr : tables_.back()->get(name);
+  }
+
+  // A table that the file does not have is visited all the same: its fields are known and keep their
+  // defaults.
+  void enter(std::string_view name, const toml::node* node) {
+    check(node == nullptr || node->is_table(), "{}{}: expected a table, found {}",
+          node != nullptr ? where(*node) : "", name_of(name), node != nullptr ? found(*node) : "");
+    tables_.push_back(node == nullptr ? nullptr : node->as_table());
+    NamedVisitor::begin_group(name);
+    known_[prefix()];
+  }
+
+  static bool convert(const toml::node& node, bool& value) { return assign(node.as_boolean(), value); }
+  static bool convert(const toml::node& node, std::int64_t& value) {
+    return assign(node.as_integer(), value);
+  }
+  static bool convert(const toml::node& node, std::string& value) { return assign(node.as_string(), value); }
+  static bool convert(const toml::node& node, double& value) {
+    return assign(node.as_floating_point(), value) || assign(node.as_integer(), value);
+  }
+  template <typename Node, typename T>
+  static bool assign(const Node* node, T& value) {
+    if (node != nullptr) value = static_cast<T>(node->get());
+    return node != nullptr;
+  }
+
+  template <typename T>
+  const toml::node* read(std::string_view name, T& value) {
+    const toml::node* node = find(name);
+    if (node != nullptr) {
+      check(convert(*node, value), "{}{}: expected {}, found {}", where(*node), name_of(name),
+            expected_type<T>, found(*node));
+    }
+    return node;
+  }
+
+  template <typename T>
+  const toml::node* read(std::string_view name, std::vector<T>& values) {
+    const toml::node* node = find(name);
+    if (node == nullptr) return nullptr;
+    const toml::array* array = node->as_array();
+    check(array != nullptr, "{}{}: expected {}, found {}", where(*node), name_of(name),
+          expected_type<std::vector<T>>, found(*node));
+    values.assign(array->size(), T{});
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const toml::node& element = (*array)[i];
+      check(convert(element, values[i]), "{}{}[{}]: expected {}, found {}", where(element), name_of(name), i,
+            expected_type<T>, found(element));
+    }
+    return node;
+  }
+
+  template <typename T>
+  void check_each(const toml::node* node, std::string_view name, const std::vector<T>& values,
+                  const Range& range) const {
+    if (node == nullptr) return;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      check_range(where((*node->as_array())[i]), fmt::format("{}[{}]", name_of(name), i), values[i], range);
+    }
+  }
+
+  void check_table(const toml::table& table, const std::string& prefix) const {
+    const std::vector<std::string>& names = known_.at(prefix);
+    for (const auto& [key, node] : table) {
+      const std::string name(key.str());
+      if (std::find(names.begin(), names.end(), name) == names.end()) {
+        fail("{}unknown key {}{}; {}", where(key.source()), prefix, name, suggestion(prefix, name));
+      }
+      check_inside(node, prefix + name);
+    }
+  }
+
+  void check_inside(const toml::node& node, const std::string& name) const {
+    if (const auto* table = node.as_table()) check_table(*table, name + ".");
+    const auto* array = node.as_array();
+    for (std::size_t i = 0; array != nullptr && i < array->size(); ++i) {
+      if (const auto* table = (*array)[i].as_table()) check_table(*table, fmt::format("{}.{}.", name, i));
+    }
+  }
+
+  std::string suggestion(const std::string& prefix, const std::string& name) const {
+    const std::vector<std::string>& here = known_.at(prefix);
+    if (const auto guess = nearest(name, here)) return fmt::format("did you mean {}{}?", prefix, *guess);
+    if (prefix.empty()) {  // perhaps its table was forgotten
+      for (const auto& [table, names] : known_) {
+        if (std::find(names.begin(), names.end(), name) != names.end()) {
+          return fmt::format("did you mean {}{}?", table, name);
+        }
+      }
+    }
+    return here.empty() ? "expected none here" : "expected one of " + joined(here);
+  }
+
+  const toml::table& root_;
+  std::string source_;
+  std::vector<const toml::table*> tables_;  // those being visited; null where the file has none
+  std::map<std::string, std::vector<std::string>> known_;  // names of fields and groups, by dotted prefix
+};
+
+// Visits every field as a pair of a name and a value's text.
+class TextVisitor : public NamedVisitor {
+ public:
+  void field(std::string_view name, bool& value) override { put(name, toml_text(value)); }
+  void field(std::string_view name, std::int64_t& value, Range) override { put(name, toml_text(value)); }
+  void field(std::string_view name, double& value, Range) override { put(name, toml_text(value)); }
+  void field(std::string_view name, std::string& value, const std::vector<std::string>&) override {
+    put(name, toml_text(value));
+  }
+  void field(std::string_view name, std::vector<double>& value, Range) override {
+    put(name, toml_text(value));
+  }
+  void field(std::string_view name, std::vector<std::int64_t>& value, Range) override {
+    put(name, toml_text(value));
+  }
+  void field(std::string_view name, std::vector<std::string>& value) override { put(name, toml_text(value)); }
+
+ protected:
+  virtual void put(std::string_view name, std::string value) = 0;
+};
+
+class TomlTextVisitor : public TextVisitor {
+ public:
+  using TextVisitor::field;
+  void field(std::string_view name, double& value, Range range) override {
+    check_number(name, value);
+    TextVisitor::field(name, value, range);
+  }
+  void field(std::string_view name, std::vector<double>& value, Range range) override {
+    for (const double number : value) check_number(name, number);
+    TextVisitor::field(name, value, range);
+  }
+
+ private:
+  void check_number(std::string_view name, double value) const {
+    check(!std::isnan(value), "{}: expected a number to write, found nan", name_of(name));
+  }
+};
+
+// One struct of a list: {a = 1, b = {c = 2}}.
+class InlineTomlWriter final : public TomlTextVisitor {
+ public:
+  std::string text() const { return "{" + text_ + "}"; }
+
+ protected:
+  void put(std::string_view name, std::string value) override {
+    if (!text_.empty() && text_.back() != '{') text_ += ", ";
+    text_ += fmt::format("{} = {}", name, value);
+  }
+  void begin_group(std::string_view name) override {
+    put(name, "{");
+    TomlTextVisitor::begin_group(name);
+  }
+  void end_group() override {
+    text_ += "}";
+    TomlTextVisitor::end_group();
+  }
+  void visit_list(std::string_view name, StructList& list) override;
+
+ private:
+  std::string text_;
+};
+
+// The elements of a list of structs, one a line where that is allowed (not within an inline table).
+std::string list_text(StructList& list, bool lines) {
+  std::string out = "[";
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    InlineTomlWriter element;
+    list.visit(i, element);
+    out += (i > 0 ? "," : "") + std::string(lines ? "\n  " : i > 0 ? " " : "") + element.text();
+  }
+  return out + (lines && list.size() > 0 ? "\n]" : "]");
+}
+
+void InlineTomlWriter::visit_list(std::string_view name, StructList& list) {
+  put(name, list_text(list, false));
+}
+
+// A table's own keys must stand before its sub-tables, whatever the order of the visit: so one section a
+// table.
+class TomlWriter final : public TomlTextVisitor {
+ public:
+  TomlWriter() { begin_section(""); }
+  std::string text() const {
+    std::string out;
+    for (const Section& section : sections_) {
+      if (section.keys.empty()) continue;
+      if (!section.table.empty()) out += fmt::format("{}[{}]\n", out.empty() ? "" : "\n", section.table);
+      out += section.keys;
+    }
+    return out;
+  }
+
+ protected:
+  void put(std::string_view name, std::string value) override {
+    sections_[open_.back()].keys += fmt::format("{} = {}\n", name, value);
+  }
+  void begin_group(std::string_view name) override {
+    begin_section(name_of(name));
+    TomlTextVisitor::begin_group(name);
+  }
+  void end_group() override {
+    open_.pop_back();
+    TomlTextVisitor::end_group();
+  }
+  void visit_list(std::string_view name, StructList& list) override { put(name, list_text(list, true)); }
+
+ private:
+  struct Section {
+    std::string table;
+    std::string keys;
+  };
+  void begin_section(const std::string& table) {
+    open_.push_back(sections_.size());
+    sections_.push_back({table, ""});
+  }
+  std::vector<Section> sections_;
+  std::vector<std::size_t> open_;
+};
+
+class Flattener final : public TextVisitor {
+ public:
+  using TextVisitor::field;
+  void field(std::string_view name, std::string& value, const std::vector<std::string>&) override {
+    put(name, value);  // without quotes
+  }
+  std::vector<std::pair<std::string, std::string>> entries;
+
+ protected:
+  void put(std::string_view name, std::string value) override {
+    entries.emplace_back(name_of(name), std::move(value));
+  }
+  void visit_list(std::string_view name, StructList& list) override {
+    if (list.size() == 0) put(name, "[]");
+    TextVisitor::visit_list(name, list);
+  }
+};
+
+class JsonWriter final : public FieldVisitor {
+ public:
+  JsonWriter() { open_.push_back(&root); }
+  nlohmann::ordered_json root = nlohmann::ordered_json::object();
+
+  void field(std::string_view name, bool& value) override { at(name) = value; }
+  void field(std::string_view name, std::int64_t& value, Range) override { at(name) = value; }
+  void field(std::string_view name, double& value, Range) override {
+    at(name) = value;
+  }  // dumps non-finite as null
+  void field(std::string_view name, std::string& value, const std::vector<std::string>&) override {
+    at(name) = value;
+  }
+  void field(std::string_view name, std::vector<double>& value, Range) override { at(name) = value; }
+  void field(std::string_view name, std::vector<std::int64_t>& value, Range) override { at(name) = value; }
+  void field(std::string_view name, std::vector<std::string>& value) override { at(name) = value; }
+
+ protected:
+  void begin_group(std::string_view name) override {
+    at(name) = nlohmann::ordered_json::object();
+    open_.push_back(&at(name));
+  }
+  void end_group() override { open_.pop_back(); }
+  void visit_list(std::string_view name, StructList& list) override {
+    auto elements = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      JsonWriter element;
+      list.visit(i, element);
+      elements.push_back(std::move(element.root));
+    }
+    at(name) = std::move(elements);
+  }
+
+ private:
+  nlohmann::ordered_json& at(std::string_view name) { return (*open_.back())[std::string(name)]; }
+  std::vector<nlohmann::ordered_json*> open_;
+};
+
+// ---- Assignments from the command line
+
+struct Assignment {
+  std::vector<std::string> path;
+  std::string value;
+};
+
+std::string trimmed(const std::string& text) {
+  const auto begin = text.find_first_not_of(" \t");
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+Assignment parse_assignment(const std::string& text) {
+  const auto equals = text.find('=');
+  check(equals != std::string::npos, "setting \"{}\": expected key=value", text);
+  Assignment assignment;
+  assignment.value = trimmed(text.substr(equals + 1));
+  std::istringstream keys(trimmed(text.substr(0, equals)) + ".");
+  for (std::string key; std::getline(keys, key, '.');) {
+    check(!key.empty(), "setting \"{}\": expected a dotted key before \"=\"", text);
+    assignment.path.push_back(key);
+  }
+  return assignment;
+}
+
+// A table that holds the value under the key "value".
+toml::table parse_value(const std::string& text) {
+  try {
+    toml::table table = toml::parse("value = " + text);
+    if (table.size() == 1) return table;
+  } catch (const toml::parse_error&) {  // not TOML, so a string that was given without quotes
+  }
+  toml::table table;
+  table.insert_or_assign("value", text);
+  return table;
+}
+
+// The element of `parent` of that name; a table is made where a table lacks it. Null: there can be none.
+toml::node* child(toml::node& parent, const std::string& name) {
+  if (auto* table = parent.as_table()) {
+    if (!table->contains(name)) table->insert(name, toml::table{});
+    return table->get(name);
+  }
+  auto* array = parent.as_array();
+  const bool is_index =
+      !name.empty() && name.size() < 10 &&
+      std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c); });
+  return array != nullptr && is_index ? array->get(std::stoul(name)) : nullptr;
+}
+
+// Lines of values by dotted name, kept aside since a node loses its source region when it is replaced.
+using Lines = std::map<std::string, toml::source_index>;
+
+void collect_lines(const toml::table& table, const std::string& prefix, Lines& lines) {
+  for (const auto& [key, node] : table) {
+    const std::string name = prefix + key_text(key.str());
+    lines[name] = key.source().begin.line;
+    const auto* inner = node.as_table();
+    if (inner != nullptr && !inner->is_inline()) collect_lines(*inner, name + ".", lines);
+  }
+}
+
+void assign(toml::table& root, const std::string& text) {
+  const Assignment assignment = parse_assignment(text);
+  toml::node* parent = &root;
+  for (std::size_t i = 0; i + 1 < assignment.path.size(); ++i) {
+    parent = child(*parent, assignment.path[i]);
+    check(parent != nullptr, "setting \"{}\": there is no {} to set it in", text, assignment.path[i]);
+  }
+  const toml::table holder = parse_value(assignment.value);
+  const toml::node& value = *holder.get("value");
+  const std::string& name = assignment.path.back();
+  if (auto* table = parent->as_table()) {
+    value.visit([&](const auto& node) { table->insert_or_assign(name, node); });
+    return;
+  }
+  check(child(*parent, name) != nullptr, "setting \"{}\": there is no {} to set", text, name);
+  auto* array = parent->as_array();
+  value.visit([&](const auto& node) { array->replace(array->cbegin() + std::stol(name), node); });
+}
+
+// Every value under its full dotted key, so that each can stand on a line of its choice.
+void collect_values(const toml::table& table, const std::string& prefix, const Lines& lines,
+                    std::multimap<toml::source_index, std::string>& values) {
+  for (const auto& [key, node] : table) {
+    const std::string name = prefix + key_text(key.str());
+    const auto* inner = node.as_table();
+    if (inner != nullptr && !inner->is_inline() && !inner->empty()) {
+      collect_values(*inner, name + ".", lines, values);
+    } else {
+      const auto line = lines.find(name);
+      values.emplace(line != lines.end() ? line->second : std::numeric_limits<toml::source_index>::max(),
+                     fmt::format("{} = {}\n", name, toml_text(node)));
+    }
+  }
+}
+
+}  // namespace
+
+void options_detail::read_toml(const std::string& text, const std::string& source, AnyOptions& options) {
+  const toml::table root = parse(text, source);
+  TomlReader reader(root, source);
+  options.visit(reader);
+  reader.check_for_unknown_keys();
+}
+
+std::string options_detail::to_toml(AnyOptions& options) {
+  TomlWriter writer;
+  options.visit(writer);
+  return writer.text();
+}
+
+std::string options_detail::to_json(AnyOptions& options) {
+  JsonWriter writer;
+  options.visit(writer);
+  return writer.root.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+void options_detail::validate(AnyOptions& options) {
+  Validator validator;
+  options.visit(validator);
+}
+
+std::vector<std::pair<std::string, std::string>> options_detail::flatten(AnyOptions& options) {
+  Flattener flattener;
+  options.visit(flattener);
+  return std::move(flattener.entries);
+}
+
+std::string with_overrides(const std::string& text, const std::string& source,
+                           const std::vector<std::string>& assignments) {
+  toml::table root = parse(text, source);
+  Lines lines;
+  collect_lines(root, "", lines);
+  for (const std::string& assignment : assignments) assign(root, assignment);
+  std::multimap<toml::source_index, std::string> values;
+  collect_values(root, "", lines, values);
+
+  std::string out;
+  toml::source_index line = 1;
+  const auto last = static_cast<toml::source_index>(1 + std::count(text.begin(), text.end(), '\n'));
+  for (const auto& [wanted, value] : values) {
+    for (; line < std::min(wanted, last + 1); ++line) out += '\n';
+    out += value;
+    ++line;
+  }
+  return out;
+}
+
+}  // namespace s2nnds
