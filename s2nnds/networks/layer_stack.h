@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "s2nnds/core/points.h"
+#include "s2nnds/networks/activation.h"
 
 namespace s2nnds {
 
-enum class Activation { identity, tanh, elu, softplus, silu, sine };
 std::string_view to_string(Activation activation);
 Activation activation_from(std::string_view name);  // throws Error
 std::vector<std::string> activation_names();
@@ -24,7 +24,8 @@ struct Layer {
 enum class Head {
   plain,         // y = N(x)
   anchored,      // y = N(x) - N(0), so that y(0) = 0 exactly
-  squared_norm,  // y = |N(x) - N(0)|^2 + quadratic |x|^2: y(0) = 0, grad y(0) = 0, y > 0 elsewhere if quadratic > 0
+  squared_norm,  // y = |N(x) - N(0)|^2 + quadratic |x|^2: y(0) = 0, grad y(0) = 0, y > 0 elsewhere if
+                 // quadratic > 0
 };
 std::string_view to_string(Head head);
 Head head_from(std::string_view name);  // throws Error
@@ -39,12 +40,13 @@ struct LayerStack {
   Eigen::Index input_dimension() const;
   Eigen::Index output_dimension() const;  // 1 for squared_norm
   std::size_t parameter_count() const;
-  void check() const;                     // throws Error on mismatched shapes or non-finite weights
+  void check() const;  // throws Error on mismatched shapes or non-finite weights
 
   // y(x) for N points [N, n] -> [N, m], double precision.
   Points value(const Points& x) const;
   // y(x) and its derivative along `direction` [N, n]: d/ds y(x + s direction) at s = 0.
-  void value_and_derivative(const Points& x, const Points& direction, Points& value, Points& derivative) const;
+  void value_and_derivative(const Points& x, const Points& direction, Points& value,
+                            Points& derivative) const;
 };
 
 // The three networks of a run.
@@ -54,7 +56,8 @@ struct Networks {
   LayerStack B;  // barrier function, n -> 1
 };
 
-// SHA-256, in hexadecimal, of heads, activations, shapes and weights (little-endian doubles) of f, V, B in this order.
+// SHA-256, in hexadecimal, of heads, activations, shapes and weights (little-endian doubles) of f, V, B in
+// this order.
 std::string weight_hash(const Networks& networks);
 
 }  // namespace s2nnds

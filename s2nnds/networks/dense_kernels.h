@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+
+#include "s2nnds/networks/activation.h"
+
+namespace s2nnds {
+
+// The inner loops of all networks, compiled once per instruction set (AVX-512, AVX2 + FMA, plain) and chosen
+// at run time. Rows are samples, columns are neurons padded to a multiple of `kLanePadding`, so that every
+// product of the forward and the reverse sweep has contiguous columns and needs no transposition of
+// activations.
+inline constexpr std::ptrdiff_t kLanePadding = 16;
+inline std::ptrdiff_t padded(std::ptrdiff_t width) {
+  return (width + kLanePadding - 1) / kLanePadding * kLanePadding;
+}
+
+template <typename T>
+struct DenseKernels {
+  const char* instruction_set;
+  // C[m, n] = (accumulate ? C : 0) + sum_k A(m, k) B[k, n] for m < rows, n < columns (a multiple of
+  // kLanePadding), A(m, k) = a[m * a_row + k * a_column]. The sum runs over k in order, whatever the
+  // blocking: a row's result does not depend on the rows beside it.
+  void (*multiply)(std::ptrdiff_t rows, std::ptrdiff_t columns, std::ptrdiff_t depth, const T* a,
+                   std::ptrdiff_t a_row, std::ptrdiff_t a_column, const T* b, std::ptrdiff_t b_row, T* c,
+                   std::ptrdiff_t c_row, bool accumulate);
+  // value = sigma(z) and, where the pointers are not null, first = sigma'(z), second = sigma''(z); count is a
+  // multiple of kLanePadding. In double, values are within 4e-15 * max(1, |value|) of the exact ones.
+  void (*activate)(Activation activation, std::ptrdiff_t count, const T* z, T* value, T* first, T* second);
+};
+
+// The best kernels that this processor runs; the environment's S2NNDS_ISA (avx512, avx2, plain) picks a
+// lesser one.
+template <typename T>
+const DenseKernels<T>& dense_kernels();
+
+}  // namespace s2nnds

@@ -1,0 +1,5 @@
+#define S2NNDS_KERNEL_SPACE plain
+#define S2NNDS_KERNEL_NAME "plain"
+#define S2NNDS_VECTOR_BYTES 16
+#define S2NNDS_WIDE_ROWS 2
+#include "s2nnds/networks/dense_kernels.inl"

@@ -1,0 +1,298 @@
+#include "s2nnds/networks/fused_network.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <new>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+using std::ptrdiff_t;
+
+constexpr ptrdiff_t kTileRows =
+    48;  // a multiple of the kernels' row blocks; three tiles of 64 columns fit in L1
+constexpr ptrdiff_t kGradientChunks = 8;  // partial gradients, summed in order whatever the number of threads
+// The layers' values on the tape: activation, its tangent, sigma'(z), and dz sigma''(z).
+constexpr int kTapeQuantities = 4;
+
+}  // namespace
+
+template <typename T>
+Buffer<T>::~Buffer() {
+  std::free(data_);
+}
+
+template <typename T>
+T* Buffer<T>::reserve(std::size_t count) {
+  if (count > capacity_) {
+    std::free(data_);
+    const std::size_t bytes = (count * sizeof(T) + 63) / 64 * 64;
+    data_ = static_cast<T*>(std::aligned_alloc(64, bytes));
+    capacity_ = data_ ? count : 0;
+    if (!data_) throw std::bad_alloc();
+  }
+  return data_;
+}
+
+template <typename T>
+FusedNetwork<T>::FusedNetwork(std::vector<LayerShape> layers) : layers_(std::move(layers)) {
+  check(!layers_.empty(), "fused network: found no layers, expected at least one");
+  ptrdiff_t parameter = 0;
+  for (std::size_t l = 0; l < layers_.size(); ++l) {
+    const LayerShape& shape = layers_[l];
+    check(shape.inputs > 0 && shape.outputs > 0 && (l == 0 || shape.inputs == layers_[l - 1].outputs),
+          "fused network: layer {} has {} inputs and {} outputs, which does not fit the layer before", l,
+          shape.inputs, shape.outputs);
+    Packed p;
+    p.shape = shape;
+    p.in_width = padded(shape.inputs);
+    p.out_width = padded(shape.outputs);
+    p.transposed = weights_size_;
+    p.plain = p.transposed + shape.inputs * p.out_width;
+    p.bias = p.plain + shape.outputs * p.in_width;
+    weights_size_ = p.bias + p.out_width;
+    p.parameter = parameter;
+    parameter += shape.parameters();
+    p.tape = tape_width_;
+    tape_width_ += p.out_width;
+    gradient_size_ += shape.outputs * p.in_width + p.out_width;
+    widest_ = std::max({widest_, p.in_width, p.out_width});
+    packed_.push_back(p);
+  }
+}
+
+template <typename T>
+ptrdiff_t FusedNetwork<T>::parameters() const {
+  return packed_.back().parameter + packed_.back().shape.parameters();
+}
+
+template <typename T>
+void FusedNetwork<T>::load(const T* parameters) {
+  T* all = weights_.reserve(weights_size_);
+  std::fill(all, all + weights_size_, T(0));
+  for (const Packed& p : packed_) {
+    const T* weight = parameters + p.parameter;
+    for (ptrdiff_t o = 0; o < p.shape.outputs; ++o) {
+      for (ptrdiff_t i = 0; i < p.shape.inputs; ++i) {
+        all[p.transposed + i * p.out_width + o] = all[p.plain + o * p.in_width + i] =
+            weight[o * p.shape.inputs + i];
+      }
+    }
+    if (p.shape.bias) std::copy_n(weight + p.shape.outputs * p.shape.inputs, p.shape.outputs, all + p.bias);
+  }
+}
+
+template <typename T>
+void FusedNetwork<T>::forward_tile(ptrdiff_t rows, const T* x, const T* direction, T* value, T* derivative,
+                                   T* scratch, T* tape, ptrdiff_t tape_samples, ptrdiff_t first) const {
+  const DenseKernels<T>& kernels = dense_kernels<T>();
+  const ptrdiff_t tile = kTileRows * widest_;
+  T* z = scratch;
+  T* dz = scratch + tile;
+  T* slope = scratch + 2 * tile;
+  T* curve = scratch + 3 * tile;
+  T* buffers[2] = {scratch + 4 * tile, scratch + 6 * tile};
+  const T* a = x;
+  const T* da = direction;
+  ptrdiff_t stride = inputs();
+  for (std::size_t l = 0; l < packed_.size(); ++l) {
+    const Packed& p = packed_[l];
+    const T* weight = weights_.data() + p.transposed;
+    const T* bias = weights_.data() + p.bias;
+    const ptrdiff_t width = p.out_width, count = rows * width;
+    for (ptrdiff_t s = 0; s < rows; ++s) std::copy_n(bias, width, z + s * width);
+    kernels.multiply(rows, width, p.shape.inputs, a, stride, 1, weight, width, z, width, true);
+    if (direction)
+      kernels.multiply(rows, width, p.shape.inputs, da, stride, 1, weight, width, dz, width, false);
+
+    T* next = buffers[l % 2];
+    T* next_tangent = next + tile;
+    T* first_derivative = slope;
+    T* scaled_second = curve;
+    if (tape) {
+      const auto at = [&](int quantity) {
+        return tape + (quantity * tape_width_ + p.tape) * tape_samples + first * width;
+      };
+      next = at(0);
+      next_tangent = at(1);
+      first_derivative = at(2);
+      scaled_second = at(3);
+    }
+    const bool wants_slope = direction || tape;
+    kernels.activate(p.shape.activation, count, z, next, wants_slope ? first_derivative : nullptr,
+                     tape && direction ? scaled_second : nullptr);
+    if (direction) {
+      for (ptrdiff_t i = 0; i < count; ++i) next_tangent[i] = first_derivative[i] * dz[i];
+      if (tape) {
+        for (ptrdiff_t i = 0; i < count; ++i) scaled_second[i] *= dz[i];
+      }
+    }
+    a = next;
+    da = next_tangent;
+    stride = width;
+  }
+  const ptrdiff_t m = outputs();
+  for (ptrdiff_t s = 0; s < rows; ++s) {
+    std::copy_n(a + s * stride, m, value + s * m);
+    if (direction) std::copy_n(da + s * stride, m, derivative + s * m);
+  }
+}
+
+template <typename T>
+void FusedNetwork<T>::forward(ptrdiff_t samples, const T* x, const T* direction, T* value, T* derivative,
+                              Tape* tape) const {
+  const ptrdiff_t n = inputs(), m = outputs();
+  T* recorded = nullptr;
+  if (tape) {
+    tape->samples = samples;
+    tape->tangent = direction != nullptr;
+    recorded = tape->memory.reserve(kTapeQuantities * tape_width_ * samples);
+  }
+  const ptrdiff_t tiles = (samples + kTileRows - 1) / kTileRows;
+#pragma omp parallel if (tiles > 1)
+  {
+    Buffer<T> scratch;
+    scratch.reserve(8 * kTileRows * widest_);
+#pragma omp for schedule(static)
+    for (ptrdiff_t t = 0; t < tiles; ++t) {
+      const ptrdiff_t first = t * kTileRows, rows = std::min(kTileRows, samples - first);
+      forward_tile(rows, x + first * n, direction ? direction + first * n : nullptr, value + first * m,
+                   direction ? derivative + first * m : nullptr, scratch.data(), recorded, samples, first);
+    }
+  }
+}
+
+template <typename T>
+void FusedNetwork<T>::backward_tile(ptrdiff_t rows, const T* x, const T* direction, const T* tape,
+                                    ptrdiff_t tape_samples, ptrdiff_t first, const T* adjoint_value,
+                                    const T* adjoint_derivative, T* gradient, T* adjoint_direction,
+                                    T* scratch) const {
+  const DenseKernels<T>& kernels = dense_kernels<T>();
+  const ptrdiff_t tile = kTileRows * widest_;
+  T* adjoint = scratch;                 // of z, and before that of the activation
+  T* adjoint_tangent = scratch + tile;  // of dz, and before that of da
+  T* below = scratch + 2 * tile;
+  T* below_tangent = scratch + 3 * tile;
+  const ptrdiff_t m = outputs(), last_width = packed_.back().out_width;
+  std::fill(adjoint, adjoint + rows * last_width, T(0));
+  std::fill(adjoint_tangent, adjoint_tangent + rows * last_width, T(0));
+  for (ptrdiff_t s = 0; s < rows; ++s) {
+    std::copy_n(adjoint_value + s * m, m, adjoint + s * last_width);
+    if (direction) std::copy_n(adjoint_derivative + s * m, m, adjoint_tangent + s * last_width);
+  }
+  T* gradient_end = gradient + gradient_size_;
+  for (std::size_t l = packed_.size(); l-- > 0;) {
+    const Packed& p = packed_[l];
+    const ptrdiff_t width = p.out_width, count = rows * width;
+    const auto at = [&](const Packed& layer, int quantity) {
+      return tape + (quantity * tape_width_ + layer.tape) * tape_samples + first * layer.out_width;
+    };
+    const T* slope = at(p, 2);
+    if (direction) {
+      const T* curve = at(p, 3);
+      for (ptrdiff_t i = 0; i < count; ++i) {
+        adjoint[i] = adjoint[i] * slope[i] + adjoint_tangent[i] * curve[i];
+        adjoint_tangent[i] *= slope[i];
+      }
+    } else {
+      for (ptrdiff_t i = 0; i < count; ++i) adjoint[i] *= slope[i];
+    }
+
+    gradient_end -= p.shape.outputs * p.in_width + width;
+    T* weight_gradient = gradient_end;
+    T* bias_gradient = gradient_end + p.shape.outputs * p.in_width;
+    for (ptrdiff_t s = 0; s < rows; ++s) {
+      for (ptrdiff_t o = 0; o < width; ++o) bias_gradient[o] += adjoint[s * width + o];
+    }
+    if (l > 0) {
+      const Packed& q = packed_[l - 1];
+      kernels.multiply(p.shape.outputs, p.in_width, rows, adjoint, 1, width, at(q, 0), q.out_width,
+                       weight_gradient, p.in_width, true);
+      const T* weight = weights_.data() + p.plain;
+      kernels.multiply(rows, p.in_width, p.shape.outputs, adjoint, width, 1, weight, p.in_width, below,
+                       p.in_width, false);
+      if (direction) {
+        kernels.multiply(p.shape.outputs, p.in_width, rows, adjoint_tangent, 1, width, at(q, 1), q.out_width,
+                         weight_gradient, p.in_width, true);
+        kernels.multiply(rows, p.in_width, p.shape.outputs, adjoint_tangent, width, 1, weight, p.in_width,
+                         below_tangent, p.in_width, false);
+      }
+      std::swap(adjoint, below);
+      std::swap(adjoint_tangent, below_tangent);
+      continue;
+    }
+    // The first layer has few inputs: plain loops over them, vectorised over the neurons.
+    const ptrdiff_t n = p.shape.inputs;
+    for (ptrdiff_t s = 0; s < rows; ++s) {
+      for (ptrdiff_t o = 0; o < p.shape.outputs; ++o) {
+        for (ptrdiff_t i = 0; i < n; ++i) {
+          T sum = adjoint[s * width + o] * x[s * n + i];
+          if (direction) sum += adjoint_tangent[s * width + o] * direction[s * n + i];
+          weight_gradient[o * p.in_width + i] += sum;
+        }
+      }
+    }
+    if (adjoint_direction) {
+      const T* weight = weights_.data() + p.transposed;
+      for (ptrdiff_t s = 0; s < rows; ++s) {
+        for (ptrdiff_t i = 0; i < n; ++i) {
+          T sum = 0;
+          for (ptrdiff_t o = 0; o < width; ++o) sum += adjoint_tangent[s * width + o] * weight[i * width + o];
+          adjoint_direction[s * n + i] = sum;
+        }
+      }
+    }
+  }
+}
+
+template <typename T>
+void FusedNetwork<T>::backward(const T* x, const T* direction, const Tape& tape, const T* adjoint_value,
+                               const T* adjoint_derivative, T* parameter_gradient,
+                               T* adjoint_direction) const {
+  const ptrdiff_t samples = tape.samples, n = inputs(), m = outputs();
+  const ptrdiff_t tiles = (samples + kTileRows - 1) / kTileRows;
+  const ptrdiff_t chunks = std::min(kGradientChunks, tiles);
+  Buffer<T> partial;
+  partial.reserve(chunks * gradient_size_);
+#pragma omp parallel if (chunks > 1)
+  {
+    Buffer<T> scratch;
+    scratch.reserve(4 * kTileRows * widest_);
+#pragma omp for schedule(static)
+    for (ptrdiff_t c = 0; c < chunks; ++c) {
+      T* gradient = partial.data() + c * gradient_size_;
+      std::fill(gradient, gradient + gradient_size_, T(0));
+      for (ptrdiff_t t = tiles * c / chunks; t < tiles * (c + 1) / chunks; ++t) {
+        const ptrdiff_t first = t * kTileRows, rows = std::min(kTileRows, samples - first);
+        backward_tile(rows, x + first * n, tape.tangent ? direction + first * n : nullptr, tape.memory.data(),
+                      samples, first, adjoint_value + first * m,
+                      tape.tangent ? adjoint_derivative + first * m : nullptr, gradient,
+                      tape.tangent && adjoint_direction ? adjoint_direction + first * n : nullptr,
+                      scratch.data());
+      }
+    }
+  }
+  T* total = partial.data();
+  for (ptrdiff_t c = 1; c < chunks; ++c) {
+    for (ptrdiff_t i = 0; i < gradient_size_; ++i) total[i] += partial.data()[c * gradient_size_ + i];
+  }
+  const T* from = total;
+  for (const Packed& p : packed_) {
+    T* to = parameter_gradient + p.parameter;
+    for (ptrdiff_t o = 0; o < p.shape.outputs; ++o) {
+      std::copy_n(from + o * p.in_width, p.shape.inputs, to + o * p.shape.inputs);
+    }
+    from += p.shape.outputs * p.in_width;
+    if (p.shape.bias) std::copy_n(from, p.shape.outputs, to + p.shape.outputs * p.shape.inputs);
+    from += p.out_width;
+  }
+}
+
+template class Buffer<float>;
+template class Buffer<double>;
+template class FusedNetwork<float>;
+template class FusedNetwork<double>;
+
+}  // namespace s2nnds

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <vector>
+
+#include "s2nnds/networks/activation.h"
+#include "s2nnds/networks/dense_kernels.h"
+#include "s2nnds/networks/layer_stack.h"
+
+namespace s2nnds {
+
+// The shape of one layer of a fully connected network.
+struct LayerShape {
+  std::ptrdiff_t inputs = 0;
+  std::ptrdiff_t outputs = 0;
+  bool bias = true;
+  Activation activation = Activation::identity;
+
+  std::ptrdiff_t parameters() const { return outputs * inputs + (bias ? outputs : 0); }
+};
+
+// Memory aligned to cache lines, grown as needed and never initialised.
+template <typename T>
+class Buffer {
+ public:
+  Buffer() = default;
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+  Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(capacity_, other.capacity_);
+    return *this;
+  }
+  ~Buffer();
+  T* reserve(std::size_t count);  // at least count elements; the old contents are lost when it grows
+  T* data() const { return data_; }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t capacity_ = 0;
+};
+
+// N(x) of a fully connected network and its derivative along a direction, and the reverse sweep through both,
+// tile by tile so that activations stay in cache. With z = W a + b, a' = sigma(z), dz = W da, da' = sigma'(z)
+// dz, and A, T the adjoints of a', da':
+//   adj dz = T sigma'(z),  adj z = A sigma'(z) + T dz sigma''(z),  dW += adj_z a^T + adj_dz da^T.
+// Rows are samples. Work is shared over OpenMP threads in fixed chunks, whose gradients are summed in order:
+// results do not depend on the number of threads.
+template <typename T>
+class FusedNetwork {
+ public:
+  explicit FusedNetwork(std::vector<LayerShape> layers);
+
+  std::ptrdiff_t inputs() const { return layers_.front().inputs; }
+  std::ptrdiff_t outputs() const { return layers_.back().outputs; }
+  std::ptrdiff_t parameters() const;
+
+  // Flat parameters: per layer the weight [out, in] row-major, then the bias [out] if it has one.
+  void load(const T* parameters);
+
+  // What the reverse sweep needs of a forward sweep.
+  struct Tape {
+    Buffer<T> memory;
+    std::ptrdiff_t samples = 0;
+    bool tangent = false;
+  };
+
+  // value [samples, outputs]; if direction [samples, inputs] is not null, also derivative [samples, outputs].
+  // Fills the tape if it is not null.
+  void forward(std::ptrdiff_t samples, const T* x, const T* direction, T* value, T* derivative,
+               Tape* tape) const;
+
+  // Given the adjoints of value and (if the tape has a tangent) of derivative, writes the gradient of the
+  // flat parameters [parameters()] and, unless null, the adjoint of the direction [samples, inputs].
+  void backward(const T* x, const T* direction, const Tape& tape, const T* adjoint_value,
+                const T* adjoint_derivative, T* parameter_gradient, T* adjoint_direction) const;
+
+ private:
+  struct Packed {
+    LayerShape shape;
+    std::ptrdiff_t in_width = 0, out_width = 0;          // padded
+    std::ptrdiff_t transposed = 0, plain = 0, bias = 0;  // offsets into weights_
+    std::ptrdiff_t parameter = 0;                        // offset of the weight among the flat parameters
+    std::ptrdiff_t tape = 0;  // offset, in units of samples, into the tape (hidden layers)
+  };
+
+  void forward_tile(std::ptrdiff_t rows, const T* x, const T* direction, T* value, T* derivative, T* scratch,
+                    T* tape, std::ptrdiff_t tape_samples, std::ptrdiff_t first) const;
+  void backward_tile(std::ptrdiff_t rows, const T* x, const T* direction, const T* tape,
+                     std::ptrdiff_t tape_samples, std::ptrdiff_t first, const T* adjoint_value,
+                     const T* adjoint_derivative, T* gradient, T* adjoint_direction, T* scratch) const;
+
+  std::vector<LayerShape> layers_;
+  std::vector<Packed> packed_;
+  Buffer<T> weights_;
+  std::ptrdiff_t weights_size_ = 0;
+  std::ptrdiff_t widest_ = 0;
+  std::ptrdiff_t tape_width_ = 0;  // elements per sample and stored quantity, over all hidden layers
+  std::ptrdiff_t gradient_size_ = 0;
+};
+
+}  // namespace s2nnds
