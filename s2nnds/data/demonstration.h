@@ -7,8 +7,8 @@
 
 namespace s2nnds {
 
-// One recorded motion of M samples. Raw: seconds and the file's length unit (LASA: mm; ds-opt: m). Normalised:
-// see normalization.h.
+// One recorded motion of M samples. Raw: seconds and the file's length unit (LASA: mm; ds-opt: m).
+// Normalised: see normalization.h.
 struct Demonstration {
   Vector time;      // [M] s, strictly increasing
   Points position;  // [M, n]
@@ -24,12 +24,15 @@ struct DemonstrationSet {
   std::string unit;  // of length: "mm", "m", or "" when the file does not say
   std::vector<Demonstration> demonstrations;
 
-  Eigen::Index dimension() const;
+  Eigen::Index dimension() const;  // of its first demonstration; throws Error if there is none
 };
 
 // Throws Error naming `source` and the demonstration unless there is at least one demonstration, all have one
 // dimension n >= 2, at least 2 samples, equal lengths, finite numbers and increasing times.
 void check_demonstrations(const DemonstrationSet& set, const std::string& source);
+
+// The same for one demonstration; `where` names it in the message.
+void check_demonstration(const Demonstration& demonstration, const std::string& where);
 
 // All samples of several demonstrations, stacked: [sum M, n].
 Points stack_positions(const std::vector<Demonstration>& demonstrations);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -7,29 +8,37 @@
 
 namespace s2nnds {
 
-// Normalised position = position / position_scale; normalised velocity = velocity / velocity_scale. Normalised time
-// is seconds * velocity_scale / position_scale, so that d(position)/d(time) = velocity holds in normalised units.
+// Normalised position = position / position_scale; normalised velocity = velocity / velocity_scale.
+// Normalised time is seconds * velocity_scale / position_scale, so that d(position)/d(time) = velocity holds
+// in normalised units.
 struct Normalization {
   std::string kind = "max_abs";
   double position_scale = 1.0;
   double velocity_scale = 1.0;
 
-  double time_scale() const { return position_scale / velocity_scale; }  // seconds per unit of normalised time
+  // Seconds per unit of normalised time.
+  double time_scale() const { return position_scale / velocity_scale; }
 };
 
-// Scales from all demonstrations: max_abs takes the largest absolute coordinate, max_norm the largest Euclidean norm.
-// Throws Error when there is no motion (a scale of zero).
+// Scales from all demonstrations: max_abs takes the largest absolute coordinate, max_norm the largest
+// Euclidean norm. Throws Error when there is no motion (a scale of zero).
 Normalization find_normalization(const std::string& kind, const std::vector<Demonstration>& demonstrations);
 
 // Position, velocity and time in normalised units.
-std::vector<Demonstration> normalize(const std::vector<Demonstration>& demonstrations, const Normalization& scales);
+std::vector<Demonstration> normalize(const std::vector<Demonstration>& demonstrations,
+                                     const Normalization& scales);
 
-// Train and test by whole demonstrations. Throws Error when an index is out of range, repeated, or nothing is left.
+// Train and test by whole demonstrations; `test` keeps its order, `train` is the rest in ascending order.
+// Throws Error when an index is out of range, repeated, or nothing is left.
 struct Split {
   std::vector<std::int64_t> train;
   std::vector<std::int64_t> test;
 };
 Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& test);
-std::vector<Demonstration> select(const std::vector<Demonstration>& all, const std::vector<std::int64_t>& indices);
+
+// The demonstrations with these indices, in this order. Throws Error when an index is out of range or
+// repeated.
+std::vector<Demonstration> select(const std::vector<Demonstration>& all,
+                                  const std::vector<std::int64_t>& indices);
 
 }  // namespace s2nnds

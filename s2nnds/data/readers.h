@@ -9,32 +9,50 @@
 namespace s2nnds {
 
 struct DataOptions {
-  std::string source = "handwriting";  // handwriting (shipped, synthetic), lasa, ds_opt, csv, hdf5
-  std::string file;                    // lasa, ds_opt, hdf5: one file, relative to the data directory
-  std::string motion = "Sine";         // handwriting: Sine, S, C, N, Spiral, Helix
-  std::vector<std::string> files;      // csv: one file a demonstration
-  std::int64_t stride = 1;             // keep every stride-th sample (and the last one)
-  std::string unit;                    // csv: unit of length, for reports
-  std::string normalization = "max_abs";       // max_abs, max_norm
-  std::vector<std::int64_t> test = {5, 6};     // demonstrations held out, counted from 0
-  std::vector<std::int64_t> use;               // demonstrations to use at all; empty: every one
+  std::string source = "handwriting";       // handwriting (shipped, synthetic), lasa, ds_opt, csv, hdf5
+  std::string file;                         // lasa, ds_opt, hdf5: one file, relative to the data directory
+  std::string motion = "Sine";              // handwriting: Sine, S, C, N, Spiral, Helix
+  std::vector<std::string> files;           // csv: one file a demonstration
+  std::int64_t stride = 1;                  // keep every stride-th sample (and the last one)
+  std::string unit;                         // csv, hdf5: unit of length, for reports
+  std::string normalization = "max_abs";    // max_abs, max_norm
+  std::vector<std::int64_t> use;            // demonstrations to use at all, in this order; empty: every one
+  std::vector<std::int64_t> test = {5, 6};  // held out, counted from 0 among those in use
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names only the keys that `source` has
 };
 
-// Reads, checks, thins and translates to the goal (the last position of each demonstration becomes the origin).
-// Every reader throws Error with path, what was found and what was expected.
+// Reads, checks, picks `use`, thins and translates to the goal (the last position of each demonstration
+// becomes the origin, its first time 0 s). Relative paths count from `data_dir`. Readers throw Error with
+// path, what was found and what was expected.
 DemonstrationSet read_demonstrations(const DataOptions& options, const std::string& data_dir);
 
-DemonstrationSet read_lasa(const std::string& path);     // demos{n}.pos/.t/.vel, mm
-DemonstrationSet read_ds_opt(const std::string& path);   // data{n} [2n, T], optional dt, m
-DemonstrationSet read_csv(const std::vector<std::string>& paths);  // time,x,y[,z][,dx,dy[,dz]]
-DemonstrationSet read_hdf5(const std::string& path);     // /demonstrations/K/{time,position[,velocity]}
+// The readers leave positions and times as the file has them. They keep every stride-th sample and the last
+// one; where a file has no velocities, they differentiate what is left, since thinning first amplifies noise
+// least.
 
-// Central differences in the interior, one-sided at the ends, on any time grid (second order): [M, n].
+// MATLAB (5 to 7, not 7.3): cell array demos{k} of structs with pos [n, M] mm, t [1, M] s, vel [n, M] mm/s.
+DemonstrationSet read_lasa(const std::string& path, std::int64_t stride = 1);
+
+// MATLAB (5 to 7, not 7.3): cell array data{k} of [2n, M], positions (m) above velocities (m/s); with 2 rows
+// or an odd number of rows, positions alone. Optional scalar dt, s; else 0.01 s.
+DemonstrationSet read_ds_opt(const std::string& path, std::int64_t stride = 1);
+
+// Text, one file a demonstration, first line `time,x,y[,z][,dx,dy[,dz]]` or, for any n,
+// `time,x1,...,xn[,dx1,...,dxn]`. Unit: "". Numbers use the decimal point in every locale.
+DemonstrationSet read_csv(const std::vector<std::string>& paths, std::int64_t stride = 1);
+
+// HDF5: a group /demonstrations/K each (sorted by number) with time [M], position [M, n] and, optionally,
+// velocity [M, n]. Unit: "".
+DemonstrationSet read_hdf5(const std::string& path, std::int64_t stride = 1);
+
+// Derivative of the parabola through three neighbouring samples: central in the interior, one-sided at the
+// ends, on any increasing time grid; error O(h^2). time [M], position [M, n] -> [M, n], M >= 2 (two samples:
+// their slope). Throws Error on other shapes and on times that do not increase.
 Points differentiate(const Vector& time, const Points& position);
 
-// Where data files live: `flag` if given, else $S2NNDS_DATA, else ../shared/data where it exists, else "".
+// Where data files live: `flag` if given, else $S2NNDS_DATA, else ../shared/data where it exists, else ""
+// (paths count from the working directory). Throws Error when the one that was given is not a directory.
 std::string data_directory(const std::string& flag);
 
 }  // namespace s2nnds

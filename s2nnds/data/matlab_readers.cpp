@@ -1,0 +1,164 @@
+#include <matio.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/data/readers.h"
+#include "s2nnds/data/recording.h"
+
+namespace s2nnds {
+namespace {
+
+// libmatio's complaints, instead of on stderr. It goes on after many of them with whatever it has read, so
+// that a damaged file looks like a sound one with wrong numbers: every complaint counts as an error.
+thread_local std::string complaint;
+
+void keep_complaint(int /*level*/, char* message) {
+  if (complaint.empty()) complaint = message;
+}
+
+class ComplaintScope {
+ public:
+  ComplaintScope() {
+    complaint.clear();
+    Mat_LogInitFunc("s2nnds", keep_complaint);
+  }
+  ~ComplaintScope() { Mat_LogClose(); }
+  ComplaintScope(const ComplaintScope&) = delete;
+  ComplaintScope& operator=(const ComplaintScope&) = delete;
+};
+
+struct CloseFile {
+  void operator()(mat_t* file) const { Mat_Close(file); }
+};
+struct FreeVariable {
+  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
+};
+
+class MatlabFile {
+ public:
+  // `expected` completes every message: what the caller wants to find.
+  MatlabFile(const std::string& path, std::string expected) : path_(path), expected_(std::move(expected)) {
+    check_readable(path);
+    file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+    check(file_ != nullptr, "{}: found no MATLAB file; expected {}", path_, expected_);
+    check(
+        Mat_GetVersion(file_.get()) == MAT_FT_MAT5,
+        "{}: found no MATLAB 5 to 7 file (another version, or no MATLAB file at all); expected {} (save -v7)",
+        path_, expected_);
+  }
+
+  // The variable, or null if the file has none of this name.
+  matvar_t* read(const char* name) {
+    Mat_Rewind(file_.get());
+    variables_.emplace_back(Mat_VarRead(file_.get(), name));
+    check(complaint.empty(), "{}: found damaged or truncated data ({}); expected {}", path_,
+          first_line(complaint), expected_);
+    return variables_.back().get();
+  }
+
+  // The cell array `name`.
+  matvar_t* read_cells(const char* name) {
+    matvar_t* const cells = read(name);
+    check(cells != nullptr, "{}: found {}; expected {}", path_, listing(), expected_);
+    check(cells->class_type == MAT_C_CELL && cells->data != nullptr,
+          "{}: found '{}' that is not a cell array; expected {}", path_, name, expected_);
+    return cells;
+  }
+
+  // A real matrix of doubles. MATLAB stores columns one after another, so that [rows, columns] reads as
+  // [columns, rows] here: one sample a row.
+  Points matrix(const matvar_t* variable, const std::string& where) const {
+    const bool real = variable != nullptr && variable->class_type == MAT_C_DOUBLE &&
+                      variable->data_type == MAT_T_DOUBLE && variable->isComplex == 0 &&
+                      variable->rank == 2 && variable->data != nullptr;
+    check(real, "{}: found no real matrix of doubles; expected {}", where, expected_);
+    const auto rows = static_cast<Eigen::Index>(variable->dims[0]);
+    const auto columns = static_cast<Eigen::Index>(variable->dims[1]);
+    check(variable->nbytes == variable->dims[0] * variable->dims[1] * sizeof(double),
+          "{}: found {} bytes for [{}, {}] doubles; expected {}", where, variable->nbytes, rows, columns,
+          expected_);
+    return Eigen::Map<const Points>(static_cast<const double*>(variable->data), columns, rows);
+  }
+
+ private:
+  static std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+
+  std::string listing() {
+    std::size_t count = 0;
+    char** const names = Mat_GetDir(file_.get(), &count);
+    if (names == nullptr || count == 0) return "no variables (an empty or truncated file, or no MATLAB file)";
+    std::string list = "the variable(s)";
+    for (std::size_t i = 0; i < count; ++i) list += fmt::format("{} '{}'", i == 0 ? "" : ",", names[i]);
+    return list;
+  }
+
+  std::string path_;
+  std::string expected_;
+  ComplaintScope scope_;
+  std::unique_ptr<mat_t, CloseFile> file_;
+  std::vector<std::unique_ptr<matvar_t, FreeVariable>> variables_;
+};
+
+std::size_t count(const matvar_t* cells) {
+  std::size_t product = 1;
+  for (int i = 0; i < cells->rank; ++i) product *= cells->dims[i];
+  return product;
+}
+
+Vector as_vector(const Points& points) { return Eigen::Map<const Vector>(points.data(), points.size()); }
+
+// Whether the rows of a ds-opt recording are positions above velocities: [2n, M] with n >= 2.
+bool has_velocities(Eigen::Index rows) { return rows >= 4 && rows % 2 == 0; }
+
+double time_step(MatlabFile& file, const std::string& path) {
+  const double usual = 0.01;  // s, where the file does not say
+  const matvar_t* const variable = file.read("dt");
+  if (variable == nullptr) return usual;
+  const Points dt = file.matrix(variable, path + ": dt");
+  check(dt.size() == 1 && dt(0) > 0, "{}: dt: found {} value(s), the first {}; expected one time step > 0 s",
+        path, dt.size(), dt.size() > 0 ? double(dt(0)) : 0.0);
+  return dt(0);
+}
+
+}  // namespace
+
+DemonstrationSet read_lasa(const std::string& path, std::int64_t stride) {
+  MatlabFile file(path, "a LASA file, demos{k} with fields pos [n, M], t [1, M] and vel [n, M]");
+  matvar_t* const demos = file.read_cells("demos");
+  DemonstrationSet set{stem(path), "mm", {}};
+  for (std::size_t k = 0; k < count(demos); ++k) {
+    const std::string where = fmt::format("{}: demonstration {}", path, k);
+    matvar_t* const demo = Mat_VarGetCell(demos, static_cast<int>(k));
+    const bool is_struct = demo != nullptr && demo->class_type == MAT_C_STRUCT && count(demo) == 1;
+    const auto field = [&](const char* name) {
+      return file.matrix(is_struct ? Mat_VarGetStructFieldByName(demo, name, 0) : nullptr,
+                         where + ": " + name);
+    };
+    set.demonstrations.push_back(
+        make_demonstration(as_vector(field("t")), field("pos"), field("vel"), stride, where));
+  }
+  check_demonstrations(set, path);
+  return set;
+}
+
+DemonstrationSet read_ds_opt(const std::string& path, std::int64_t stride) {
+  MatlabFile file(path, "a ds-opt file, data{k} of [2n, M] doubles, positions above velocities");
+  matvar_t* const data = file.read_cells("data");
+  const double dt = time_step(file, path);
+  DemonstrationSet set{stem(path), "m", {}};
+  for (std::size_t k = 0; k < count(data); ++k) {
+    const std::string where = fmt::format("{}: demonstration {}", path, k);
+    const Points all = file.matrix(Mat_VarGetCell(data, static_cast<int>(k)), where);
+    const Eigen::Index n = has_velocities(all.cols()) ? all.cols() / 2 : all.cols();
+    const Vector time = dt * Vector::LinSpaced(all.rows(), 0.0, static_cast<double>(all.rows() - 1));
+    set.demonstrations.push_back(
+        make_demonstration(time, all.leftCols(n), all.rightCols(all.cols() - n), stride, where));
+  }
+  check_demonstrations(set, path);
+  return set;
+}
+
+}  // namespace s2nnds

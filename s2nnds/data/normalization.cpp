@@ -1,0 +1,75 @@
+#include "s2nnds/data/normalization.h"
+
+#include <algorithm>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+double scale_of(const std::string& kind, const Points& points) {
+  return kind == "max_norm" ? points.rowwise().norm().maxCoeff() : points.cwiseAbs().maxCoeff();
+}
+
+// Throws Error unless all indices are below `count` and differ from one another.
+void check_indices(std::size_t count, const std::vector<std::int64_t>& indices) {
+  std::vector<bool> seen(count, false);
+  for (const std::int64_t index : indices) {
+    check(index >= 0 && index < static_cast<std::int64_t>(count),
+          "demonstrations: found index {}; expected 0 to {}, counted from 0", index,
+          static_cast<std::int64_t>(count) - 1);
+    check(!seen[static_cast<std::size_t>(index)], "demonstrations: found index {} twice; expected it once",
+          index);
+    seen[static_cast<std::size_t>(index)] = true;
+  }
+}
+
+}  // namespace
+
+Normalization find_normalization(const std::string& kind, const std::vector<Demonstration>& demonstrations) {
+  check(kind == "max_abs" || kind == "max_norm", "normalization: found '{}'; expected max_abs or max_norm",
+        kind);
+  const Points positions = stack_positions(demonstrations);
+  const Points velocities = stack_velocities(demonstrations);
+  check(positions.size() > 0 && velocities.size() > 0,
+        "normalization: found no samples; expected at least 1");
+  Normalization found{kind, scale_of(kind, positions), scale_of(kind, velocities)};
+  check(found.position_scale > 0 && found.velocity_scale > 0,
+        "normalization: found largest position {} and velocity {}; expected a motion, both > 0",
+        found.position_scale, found.velocity_scale);
+  return found;
+}
+
+std::vector<Demonstration> normalize(const std::vector<Demonstration>& demonstrations,
+                                     const Normalization& scales) {
+  std::vector<Demonstration> normalized = demonstrations;
+  for (Demonstration& d : normalized) {
+    d.time /= scales.time_scale();
+    d.position /= scales.position_scale;
+    d.velocity /= scales.velocity_scale;
+  }
+  return normalized;
+}
+
+Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& test) {
+  check_indices(count, test);
+  Split split{{}, test};
+  for (std::int64_t k = 0; k < static_cast<std::int64_t>(count); ++k) {
+    if (std::find(test.begin(), test.end(), k) == test.end()) split.train.push_back(k);
+  }
+  check(!split.train.empty(),
+        "split: found {} of {} demonstrations held out; expected at least 1 left to train on", test.size(),
+        count);
+  return split;
+}
+
+std::vector<Demonstration> select(const std::vector<Demonstration>& all,
+                                  const std::vector<std::int64_t>& indices) {
+  check_indices(all.size(), indices);
+  std::vector<Demonstration> chosen;
+  chosen.reserve(indices.size());
+  for (const std::int64_t index : indices) chosen.push_back(all[static_cast<std::size_t>(index)]);
+  return chosen;
+}
+
+}  // namespace s2nnds
