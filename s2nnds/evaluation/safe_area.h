@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "s2nnds/evaluation/rollout.h"
 
 namespace s2nnds {
@@ -10,10 +12,13 @@ struct SafeArea {
   double ratio() const { return safe_area / true_safe_area; }
 };
 
-// On a grid of cell centres, `cells` along each side (default: 200 in 2-D, 40 in 3-D, else Sobol points).
-SafeArea measure_safe_area(const Networks& networks, const SafetyProblem& problem, int cells = 0);
+// On a grid of cell centres, `cells` along each side (0: 200 in 2-D, 40 in 3-D); in more dimensions on that
+// many Sobol points in all (0: 40,000). The true area follows each point's motion with rollout_is_safe.
+SafeArea measure_safe_area(const Networks& networks, const SafetyProblem& problem, int cells = 0,
+                           const BatchRolloutOptions& options = {});
 
-// The area of {B <= 0} alone within any box.
+// The area of {level <= 0} alone within any finite box, on such a grid; `level` maps [N, n] to [N].
+double sublevel_area(const std::function<Vector(const Points&)>& level, const Box& within, int cells);
 double sublevel_area(const LayerStack& B, const Box& within, int cells);
 
 }  // namespace s2nnds

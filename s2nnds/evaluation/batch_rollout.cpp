@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/evaluation/rollout_events.h"
+#include "s2nnds/networks/evaluator.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr double kFirstStep = 0.02;
+constexpr double kShortestStep = 1e-9;
+constexpr int kMostSteps = 100'000;
+
+// Many motions at once. Each has its own time and step; those that are decided leave the batch, so that the
+// rest stays packed for the network.
+class BatchRollout {
+ public:
+  BatchRollout(const LayerStack& f, const SafetyProblem& problem, const Points& starts,
+               const BatchRolloutOptions& options)
+      : field_(f),
+        events_(problem, options.goal_radius, true, true),
+        options_(options),
+        safe_(static_cast<std::size_t>(starts.rows()), false),
+        start_index_(safe_.size()),
+        position_(starts),
+        velocity_(field_.value(starts)),
+        time_(Vector::Zero(starts.rows())),
+        step_(Vector::Constant(starts.rows(), std::min(options.step, kFirstStep))) {
+    std::iota(start_index_.begin(), start_index_.end(), std::size_t{0});
+    std::vector<Outcome> outcomes(safe_.size(), Outcome::running);
+    const std::vector<StopReason> reasons = events_.at(position_);
+    for (std::size_t i = 0; i < outcomes.size(); ++i) outcomes[i] = outcome_of(reasons[i]);
+    settle(outcomes);
+  }
+
+  std::vector<bool> run() {
+    for (int i = 0; i < kMostSteps && position_.rows() > 0; ++i) advance();
+    return safe_;
+  }
+
+ private:
+  enum class Outcome { running, safe, unsafe };
+
+  static Outcome outcome_of(StopReason reason) {
+    if (reason == StopReason::time_out) return Outcome::running;
+    return reason == StopReason::reached_goal ? Outcome::safe : Outcome::unsafe;
+  }
+
+  // A trial step of every motion: where it ends, f there, and the local error in units of the tolerance.
+  struct Trial {
+    Points position;
+    Points velocity;
+    Vector error;
+  };
+
+  Trial try_step() const {
+    const auto h = step_.asDiagonal();
+    const Points& k1 = velocity_;
+    const Points k2 = field_.value(position_ + h * (0.5 * k1));
+    const Points k3 = field_.value(position_ + h * (0.75 * k2));
+    Trial trial;
+    trial.position = position_ + h * (2.0 / 9.0 * k1 + 1.0 / 3.0 * k2 + 4.0 / 9.0 * k3);
+    trial.velocity = field_.value(trial.position);
+    const Points difference =
+        -5.0 / 72.0 * k1 + 1.0 / 12.0 * k2 + 1.0 / 9.0 * k3 - 1.0 / 8.0 * trial.velocity;
+    trial.error = (h * difference).rowwise().norm() / options_.tolerance;
+    return trial;
+  }
+
+  void advance() {
+    const Trial trial = try_step();
+    std::vector<Outcome> outcomes(start_index_.size(), Outcome::running);
+    std::vector<Eigen::Index> accepted;
+    for (Eigen::Index i = 0; i < trial.error.size(); ++i) {
+      // Not a number, or a step that cannot be made short enough: nothing good can be said of this motion.
+      if (!std::isfinite(trial.error[i]) || !(step_[i] > kShortestStep)) {
+        outcomes[static_cast<std::size_t>(i)] = Outcome::unsafe;
+      } else if (trial.error[i] <= 1.0) {
+        accepted.push_back(i);
+      }
+    }
+    look_along(trial, accepted, outcomes);
+    for (const Eigen::Index i : accepted) {
+      position_.row(i) = trial.position.row(i);
+      velocity_.row(i) = trial.velocity.row(i);
+      time_[i] += step_[i];
+      Outcome& outcome = outcomes[static_cast<std::size_t>(i)];
+      if (outcome == Outcome::running && time_[i] >= options_.duration) outcome = Outcome::unsafe;
+    }
+    for (Eigen::Index i = 0; i < step_.size(); ++i) step_[i] = next_step(step_[i], trial.error[i]);
+    settle(outcomes);
+  }
+
+  // The usual controller of a third-order step whose error estimate is of the third power.
+  double next_step(double step, double error) const {
+    const double factor = 0.9 / std::cbrt(std::max(error, 1e-6));
+    return std::min(options_.step, step * std::clamp(factor, 0.2, 5.0));
+  }
+
+  Eigen::Index looks(const Trial& trial, Eigen::Index i) const {
+    const double fastest = std::max(velocity_.row(i).norm(), trial.velocity.row(i).norm());
+    const double length = std::max(step_[i] * fastest, (trial.position.row(i) - position_.row(i)).norm());
+    const double wanted = std::ceil(length / look_spacing);
+    return static_cast<Eigen::Index>(std::clamp(wanted, 1.0, static_cast<double>(most_looks)));
+  }
+
+  // The cubic with the step's ends and velocities (Hermite), at the fraction s of the step.
+  Eigen::RowVectorXd between(const Trial& trial, Eigen::Index i, double s) const {
+    const double r = 1.0 - s;
+    return r * r * (1.0 + 2.0 * s) * position_.row(i) + s * s * (3.0 - 2.0 * s) * trial.position.row(i) +
+           step_[i] * s * r * (r * velocity_.row(i) - s * trial.velocity.row(i));
+  }
+
+  // The first event along each accepted step decides its motion.
+  void look_along(const Trial& trial, const std::vector<Eigen::Index>& accepted,
+                  std::vector<Outcome>& outcomes) const {
+    std::vector<Eigen::Index> counts;
+    for (const Eigen::Index i : accepted) counts.push_back(looks(trial, i));
+    Points seen(std::accumulate(counts.begin(), counts.end(), Eigen::Index{0}), position_.cols());
+    Eigen::Index row = 0;
+    for (std::size_t a = 0; a < accepted.size(); ++a) {
+      for (Eigen::Index j = 1; j <= counts[a]; ++j) {
+        seen.row(row++) =
+            between(trial, accepted[a], static_cast<double>(j) / static_cast<double>(counts[a]));
+      }
+    }
+    const std::vector<StopReason> reasons = events_.at(seen);
+    std::size_t at = 0;
+    for (std::size_t a = 0; a < accepted.size(); ++a) {
+      Outcome& outcome = outcomes[static_cast<std::size_t>(accepted[a])];
+      for (Eigen::Index j = 0; j < counts[a]; ++j, ++at) {
+        if (outcome == Outcome::running) outcome = outcome_of(reasons[at]);
+      }
+    }
+  }
+
+  // Writes down what is decided and keeps what still runs.
+  void settle(const std::vector<Outcome>& outcomes) {
+    std::vector<std::size_t> running;
+    for (std::size_t i = 0; i < outcomes.size(); ++i) {
+      if (outcomes[i] == Outcome::running) running.push_back(i);
+      safe_[start_index_[i]] = outcomes[i] == Outcome::safe;
+    }
+    if (running.size() == outcomes.size()) return;
+    for (std::size_t to = 0; to < running.size(); ++to) {
+      const auto from = static_cast<Eigen::Index>(running[to]);
+      const auto row = static_cast<Eigen::Index>(to);
+      start_index_[to] = start_index_[running[to]];
+      position_.row(row) = position_.row(from);
+      velocity_.row(row) = velocity_.row(from);
+      time_[row] = time_[from];
+      step_[row] = step_[from];
+    }
+    const auto left = static_cast<Eigen::Index>(running.size());
+    start_index_.resize(running.size());
+    position_.conservativeResize(left, Eigen::NoChange);
+    velocity_.conservativeResize(left, Eigen::NoChange);
+    time_.conservativeResize(left);
+    step_.conservativeResize(left);
+  }
+
+  Evaluator field_;
+  RolloutEvents events_;
+  BatchRolloutOptions options_;
+  std::vector<bool> safe_;                // [starts]
+  std::vector<std::size_t> start_index_;  // [running], as all below
+  Points position_;
+  Points velocity_;  // f(position)
+  Vector time_;
+  Vector step_;
+};
+
+}  // namespace
+
+std::vector<bool> rollout_is_safe(const LayerStack& f, const SafetyProblem& problem, const Points& starts,
+                                  const BatchRolloutOptions& options) {
+  check_vector_field(f, problem.dimension(), "rollout_is_safe");
+  check_vector_field(f, starts.cols(), "rollout_is_safe");
+  check(starts.allFinite(), "rollout_is_safe: found a start that is not finite, expected numbers");
+  check(
+      options.step > 0.0 && options.tolerance > 0.0 && options.duration > 0.0 && options.goal_radius > 0.0,
+      "rollout_is_safe: found step = {}, tolerance = {}, duration = {}, goal_radius = {}, expected each > 0",
+      options.step, options.tolerance, options.duration, options.goal_radius);
+  return BatchRollout(f, problem, starts, options).run();
+}
+
+}  // namespace s2nnds

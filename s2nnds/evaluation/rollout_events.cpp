@@ -1,0 +1,45 @@
+#include "s2nnds/evaluation/rollout_events.h"
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+using Mask = Eigen::Array<bool, Eigen::Dynamic, 1>;
+
+Mask outside(const Box& box, const Points& x) {
+  return (x.rowwise() - box.lower.transpose()).rowwise().minCoeff().array() < 0.0 ||
+         (x.rowwise() - box.upper.transpose()).rowwise().maxCoeff().array() > 0.0;
+}
+
+Mask inside(const RegionPtr& region, const Points& x) {
+  if (!region) return Mask::Constant(x.rows(), false);
+  return region->level(x).array() <= 0.0;
+}
+
+void mark(const Mask& where, StopReason reason, std::vector<StopReason>& reasons) {
+  for (Eigen::Index i = 0; i < where.size(); ++i) {
+    if (where[i]) reasons[static_cast<std::size_t>(i)] = reason;
+  }
+}
+
+}  // namespace
+
+std::vector<StopReason> RolloutEvents::at(const Points& x) const {
+  std::vector<StopReason> reasons(static_cast<std::size_t>(x.rows()), StopReason::time_out);
+  if (x.rows() == 0) return reasons;
+  if (at_goal_) mark(x.rowwise().norm().array() <= goal_radius_, StopReason::reached_goal, reasons);
+  if (at_sets_) {
+    mark(outside(problem_.workspace, x) || inside(problem_.shell, x), StopReason::left_workspace, reasons);
+    mark(inside(problem_.unsafe, x), StopReason::entered_unsafe, reasons);
+  }
+  return reasons;
+}
+
+void check_vector_field(const LayerStack& f, Eigen::Index dimension, const char* where) {
+  check(f.input_dimension() == dimension && f.output_dimension() == dimension,
+        "{}: found a vector field {} -> {}, expected {} -> {}", where, f.input_dimension(),
+        f.output_dimension(), dimension, dimension);
+}
+
+}  // namespace s2nnds

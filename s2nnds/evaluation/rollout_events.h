@@ -1,0 +1,34 @@
+#pragma once
+
+#include "s2nnds/evaluation/rollout.h"
+
+namespace s2nnds {
+
+// A motion is looked at every so often along its way (normalised length), and at most so often a step.
+inline constexpr double look_spacing = 0.005;
+inline constexpr Eigen::Index most_looks = 1 << 14;
+
+// What ends a motion: the goal, the unsafe set, the edge of the workspace or its shell. Keeps references to
+// what it is made from.
+class RolloutEvents {
+ public:
+  // `at_goal`, `at_sets`: whether reaching the goal, and entering the sets, end the motion.
+  RolloutEvents(const SafetyProblem& problem, double goal_radius, bool at_goal, bool at_sets)
+      : problem_(problem), goal_radius_(goal_radius), at_goal_(at_goal), at_sets_(at_sets) {}
+
+  // What happens at each of N finite points [N, n]; time_out stands for nothing. A point in several sets is
+  // judged by the worst: unsafe, then outside, then the goal.
+  std::vector<StopReason> at(const Points& x) const;
+  StopReason at_point(const Eigen::RowVectorXd& x) const { return at(Points(x)).front(); }
+
+ private:
+  const SafetyProblem& problem_;
+  double goal_radius_;
+  bool at_goal_;
+  bool at_sets_;
+};
+
+// Throws Error unless f maps the dimension to itself.
+void check_vector_field(const LayerStack& f, Eigen::Index dimension, const char* where);
+
+}  // namespace s2nnds
