@@ -1,0 +1,354 @@
+"""Reads the run files of s2nnds (HDF5, schema 1) with numpy and h5py alone.
+
+    from s2nnds_run import Run
+    run = Run("sine.h5")
+    run.name, run.guarantee               # "Sine", "invariant"
+    run.f(x), run.V(x), run.B(x)          # x [N, n] or [n], normalised and goal-centred
+    run.V.gradient(x), run.f.jacobian(x)  # [N, n], [N, m, n]
+    run.history["mse"]                    # [rounds]
+
+Positions, velocities and times are normalised: position / position_scale, velocity / velocity_scale,
+seconds * velocity_scale / position_scale. The goal is the origin. Only a demonstration's time is in s.
+"""
+
+from dataclasses import dataclass, field
+
+import h5py
+import numpy as np
+
+SCHEMA_VERSION = 1
+
+
+class RunError(Exception):
+    """The file is not a run file that this reader understands; the message is one line."""
+
+
+def _sigmoid(z):
+    return 0.5 * (1.0 + np.tanh(0.5 * z))
+
+
+# name -> (value, derivative)
+ACTIVATIONS = {
+    "identity": (lambda z: z, np.ones_like),
+    "tanh": (np.tanh, lambda z: 1.0 - np.tanh(z) ** 2),
+    "elu": (
+        lambda z: np.where(z > 0.0, z, np.expm1(np.minimum(z, 0.0))),
+        lambda z: np.where(z > 0.0, 1.0, np.exp(np.minimum(z, 0.0))),
+    ),
+    "softplus": (lambda z: np.logaddexp(0.0, z), _sigmoid),
+    "silu": (lambda z: z * _sigmoid(z), lambda z: _sigmoid(z) * (1.0 + z * (1.0 - _sigmoid(z)))),
+    "sine": (np.sin, np.cos),
+}
+
+
+@dataclass
+class Network:
+    """y(x) made of layers N(x) and a head: plain y = N(x); anchored y = N(x) - N(0);
+    squared_norm y = |N(x) - N(0)|^2 + quadratic |x|^2.
+
+    Each layer is (weight [out, in], bias [out], name of the activation).
+    """
+
+    layers: list
+    head: str = "plain"
+    quadratic: float = 0.0
+
+    @property
+    def input_dimension(self):
+        return self.layers[0][0].shape[1]
+
+    @property
+    def output_dimension(self):
+        return 1 if self.head == "squared_norm" else self.layers[-1][0].shape[0]
+
+    def _stack(self, x, with_jacobian):
+        """N(x) [N, out] and, if asked for, its Jacobian [N, out, n]."""
+        value, jacobian = x, None
+        for weight, bias, activation in self.layers:
+            act, slope = ACTIVATIONS[activation]
+            z = value @ weight.T + bias
+            if with_jacobian:
+                jacobian = weight[None] if jacobian is None else weight @ jacobian
+                jacobian = slope(z)[:, :, None] * jacobian
+            value = act(z)
+        return value, jacobian
+
+    def _points(self, x):
+        x = np.asarray(x, dtype=float)
+        if x.ndim not in (1, 2) or x.shape[-1] != self.input_dimension:
+            raise ValueError(
+                f"points: found shape {x.shape}, expected [N, {self.input_dimension}] "
+                f"or [{self.input_dimension}]"
+            )
+        return np.atleast_2d(x), x.ndim == 1
+
+    def _at_zero(self):
+        return self._stack(np.zeros((1, self.input_dimension)), False)[0]
+
+    def __call__(self, x):
+        """[N, m] for points [N, n]; [N] where m = 1. A single point [n] gives [m] or a number."""
+        points, single = self._points(x)
+        y, _ = self._stack(points, False)
+        if self.head != "plain":
+            y = y - self._at_zero()
+        if self.head == "squared_norm":
+            y = np.sum(y * y, axis=1, keepdims=True) + self.quadratic * np.sum(
+                points**2, axis=1, keepdims=True
+            )
+        if self.output_dimension == 1:
+            y = y[:, 0]
+        return y[0] if single else y
+
+    def jacobian(self, x):
+        """dy/dx: [N, m, n] for points [N, n]; [m, n] for a single point."""
+        points, single = self._points(x)
+        y, jacobian = self._stack(points, True)
+        if self.head == "squared_norm":
+            y = y - self._at_zero()
+            jacobian = 2.0 * np.einsum("no,noi->ni", y, jacobian) + 2.0 * self.quadratic * points
+            jacobian = jacobian[:, None, :]
+        return jacobian[0] if single else jacobian
+
+    def gradient(self, x):
+        """Of a network with one output: [N, n] for points [N, n]; [n] for a single point."""
+        if self.output_dimension != 1:
+            raise ValueError(f"gradient: found {self.output_dimension} outputs, expected 1 (see jacobian)")
+        return self.jacobian(x)[..., 0, :]
+
+
+@dataclass
+class Demonstration:
+    time: np.ndarray  # [M] s
+    position: np.ndarray  # [M, n] normalised
+    velocity: np.ndarray  # [M, n] normalised
+
+
+@dataclass
+class Rollout:
+    time: np.ndarray  # [M] normalised
+    position: np.ndarray  # [M, n] normalised
+    stop: str  # reached_goal, entered_unsafe, left_workspace, time_out, step_failed
+    start_kind: str  # test, train, grid
+
+
+@dataclass
+class Problem:
+    workspace_lower: np.ndarray  # [n]
+    workspace_upper: np.ndarray  # [n]
+    unsafe: str = ""  # descriptions of the sets
+    initial: str = ""
+    containment: float = 0.0  # {B <= 0} lies in containment * workspace; 0: not asked for
+    band: float = 0.0  # eps_B
+
+
+@dataclass
+class Grid:
+    """Samples on axes[0] x axes[1] (x axes[2]), index order [i, j(, k)]; None: not in the file."""
+
+    axes: list  # n arrays [N_k]
+    unsafe: np.ndarray = None  # level functions, <= 0 inside
+    initial: np.ndarray = None
+    V: np.ndarray = None
+    B: np.ndarray = None
+    velocity: np.ndarray = None  # [N0, N1(, N2), n]
+
+
+@dataclass
+class Data:
+    position_scale: float  # in `unit`
+    velocity_scale: float  # in `unit` per second
+    normalization: str
+    unit: str
+    dimension: int
+    train: list  # indices into demonstrations
+    test: list
+    demonstrations: list = field(default_factory=list)
+
+
+def _plain(value):
+    """An attribute or data set as a plain Python value or a numpy array."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace")
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        return _plain(value[()])
+    if isinstance(value, np.ndarray) and value.dtype.kind in "OS":
+        return [_plain(entry) for entry in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    return value
+
+
+def _attributes(group):
+    return {name: _plain(value) for name, value in group.attrs.items()}
+
+
+def _fields(group):
+    """Attributes and data sets of a group, in one dict."""
+    fields = _attributes(group)
+    fields.update({name: _plain(item[()]) for name, item in group.items() if isinstance(item, h5py.Dataset)})
+    return fields
+
+
+def _numbered(group):
+    """The members 0, 1, ... of a group in numerical order."""
+    return [group[key] for key in sorted((key for key in group if key.isdigit()), key=int)]
+
+
+def _require(condition, message):
+    if not condition:
+        raise RunError(message)
+
+
+def _array(group, name, shape):
+    """A data set of finite or non-finite doubles; None in `shape` stands for any length."""
+    _require(name in group, f"{group.name}/{name}: missing")
+    array = np.asarray(group[name][()], dtype=float)
+    fits = array.ndim == len(shape) and all(want in (None, have) for want, have in zip(shape, array.shape))
+    _require(
+        fits,
+        f"{group.name}/{name}: found shape {list(array.shape)}, expected "
+        f"{['any' if want is None else want for want in shape]}",
+    )
+    return array
+
+
+def _network(group):
+    layers = []
+    width = None
+    for k in range(int(group.attrs["layers"])):
+        weight = _array(group, f"weight_{k}", (None, width))
+        width = weight.shape[0]
+        bias = _array(group, f"bias_{k}", (width,)) if f"bias_{k}" in group else np.zeros(width)
+        activation = _plain(group.attrs[f"activation_{k}"])
+        _require(
+            activation in ACTIVATIONS,
+            f"{group.name}: activation_{k}: found '{activation}', expected one of " + ", ".join(ACTIVATIONS),
+        )
+        layers.append((weight, bias, activation))
+    _require(layers, f"{group.name}: layers: found 0, expected at least 1")
+    head = _plain(group.attrs["head"])
+    _require(
+        head in ("plain", "anchored", "squared_norm"),
+        f"{group.name}: head: found '{head}', expected plain, anchored or squared_norm",
+    )
+    return Network(layers, head, float(group.attrs.get("quadratic", 0.0)))
+
+
+class Run:
+    """One run file, read whole. Throws RunError when the file is missing, broken or of another schema."""
+
+    def __init__(self, path):
+        self.path = str(path)
+        try:
+            with h5py.File(path, "r") as file:
+                self._read(file)
+        except RunError as error:
+            raise RunError(f"{self.path}: {error}") from None
+        except (OSError, RuntimeError) as error:
+            raise RunError(f"{self.path}: not a readable HDF5 file: {' '.join(str(error).split())}") from None
+        except (KeyError, ValueError, TypeError, AttributeError) as error:
+            raise RunError(f"{self.path}: not a run file of s2nnds: {' '.join(str(error).split())}") from None
+
+    @property
+    def dimension(self):
+        return self.data.dimension
+
+    @property
+    def guarantee(self):
+        return self.certificate["guarantee"]
+
+    def _read(self, file):
+        self.attributes = _attributes(file)
+        version = self.attributes.get("schema_version")
+        _require(version == SCHEMA_VERSION, f"schema_version: found {version}, expected {SCHEMA_VERSION}")
+        for name in ("data", "problem", "networks"):
+            _require(name in file, f"/{name}: missing")
+        self.name = self.attributes.get("name", "")
+        self.seed = self.attributes.get("seed")
+        self._read_config(file)
+        self._read_data(file["data"])
+        n = self.dimension
+        problem = file["problem"]
+        self.problem = Problem(
+            _array(problem, "workspace_lower", (n,)),
+            _array(problem, "workspace_upper", (n,)),
+            **{
+                key: value
+                for key, value in _attributes(problem).items()
+                if key in ("unsafe", "initial", "containment", "band")
+            },
+        )
+        self.f, self.V, self.B = (_network(file["networks"][key]) for key in "fVB")
+        for key, outputs in (("f", n), ("V", 1), ("B", 1)):
+            network = getattr(self, key)
+            found = (network.input_dimension, network.output_dimension)
+            _require(
+                found == (n, outputs),
+                f"/networks/{key}: found {found[0]} inputs and {found[1]} outputs, "
+                f"expected {n} and {outputs}",
+            )
+        self.history = {name: np.atleast_1d(column[()]) for name, column in file.get("history", {}).items()}
+        self._read_certificate(file)
+        self.evaluation = _fields(file["evaluation"]) if "evaluation" in file else {}
+        self.timing = _fields(file["timing"]) if "timing" in file else {}
+        self.rollouts = [self._read_rollout(group) for group in _numbered(file.get("rollouts", {}))]
+        self.grid = self._read_grid(file["grid"]) if "grid" in file else None
+
+    def _read_config(self, file):
+        group = file.get("config", {})
+        self.config_text = _plain(group["text"][()]) if "text" in group else ""
+        self.config_resolved = _plain(group["resolved"][()]) if "resolved" in group else ""
+        self.config = _attributes(group["values"]) if "values" in group else {}  # dotted key -> value
+
+    def _read_data(self, group):
+        values = _attributes(group)
+        n = int(values["dimension"])
+        indices = {
+            key: [int(k) for k in np.atleast_1d(group[key][()])] if key in group else []
+            for key in ("train", "test")
+        }
+        self.data = Data(
+            float(values["position_scale"]),
+            float(values["velocity_scale"]),
+            values.get("normalization", ""),
+            values.get("unit", ""),
+            n,
+            **indices,
+        )
+        for item in _numbered(group.get("demonstrations", {})):
+            time = _array(item, "time", (None,))
+            self.data.demonstrations.append(
+                Demonstration(
+                    time, _array(item, "position", (len(time), n)), _array(item, "velocity", (len(time), n))
+                )
+            )
+        count = len(self.data.demonstrations)
+        for key in ("train", "test"):
+            wrong = [k for k in indices[key] if not 0 <= k < count]
+            _require(
+                not wrong, f"/data/{key}: found index {wrong[0] if wrong else ''}, expected 0 to {count - 1}"
+            )
+
+    def _read_certificate(self, file):
+        group = file.get("certificate", {})
+        self.certificate = {"guarantee": "none", **(_fields(group) if group else {})}
+        self.certificate["conditions"] = [_fields(item) for item in _numbered(group.get("conditions", {}))]
+        boxes = group.get("open_boxes", {})  # condition -> [k, 2n]: lower corner, then upper
+        self.open_boxes = {name: _array(boxes, name, (None, 2 * self.dimension)) for name in boxes}
+
+    def _read_rollout(self, group):
+        time = _array(group, "time", (None,))
+        return Rollout(
+            time,
+            _array(group, "position", (len(time), self.dimension)),
+            str(_plain(group.attrs.get("stop", ""))),
+            str(_plain(group.attrs.get("start_kind", ""))),
+        )
+
+    def _read_grid(self, group):
+        axes = [_array(group, f"axis_{k}", (None,)) for k in range(self.dimension)]
+        shape = tuple(len(axis) for axis in axes)
+        fields = {key: _array(group, key, shape) for key in ("unsafe", "initial", "V", "B") if key in group}
+        if "velocity" in group:
+            fields["velocity"] = _array(group, "velocity", shape + (self.dimension,))
+        return Grid(axes, **fields)
