@@ -1,0 +1,22 @@
+#include "s2nnds/networks/barrier.h"
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+
+torch::Tensor BarrierImpl::forward(const torch::Tensor& x) { return network(x).squeeze(1); }
+
+std::pair<torch::Tensor, torch::Tensor> BarrierImpl::forward_tangent(const torch::Tensor& x,
+                                                                     const torch::Tensor& direction) {
+  const auto [value, derivative] = network->forward_tangent(x, direction);
+  return {value.squeeze(1), derivative.squeeze(1)};
+}
+
+LayerStack BarrierImpl::snapshot() const { return {network->layers(), Head::plain, 0.0}; }
+
+void BarrierImpl::restore(const LayerStack& stack) {
+  check(stack.head == Head::plain, "networks.B: found head {}, expected plain", to_string(stack.head));
+  network->set_layers(stack.layers);
+}
+
+}  // namespace s2nnds

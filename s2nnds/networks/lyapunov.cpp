@@ -1,0 +1,44 @@
+#include "s2nnds/networks/lyapunov.h"
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/networks/with_origin.h"
+
+namespace s2nnds {
+
+LyapunovImpl::LyapunovImpl(std::int64_t dimension, const LyapunovOptions& options, RandomStream& random,
+                           torch::Dtype dtype)
+    : squared_(options.form == "squared_norm"), quadratic_(squared_ ? options.quadratic : 0.0) {
+  check(squared_ || !options.network.bias, "networks.V: V(0) = 0 needs form = \"squared_norm\" or bias = false");
+  network = register_module("network", Mlp(dimension, squared_ ? options.features : 1, options.network, random, dtype));
+}
+
+torch::Tensor LyapunovImpl::forward(const torch::Tensor& x) {
+  if (!squared_) return network(x).squeeze(1);
+  return less_origin(network(with_origin(x))).square().sum(1) + quadratic_ * x.square().sum(1);
+}
+
+std::pair<torch::Tensor, torch::Tensor> LyapunovImpl::forward_tangent(const torch::Tensor& x,
+                                                                      const torch::Tensor& direction) {
+  if (!squared_) {
+    const auto [value, derivative] = network->forward_tangent(x, direction);
+    return {value.squeeze(1), derivative.squeeze(1)};
+  }
+  const auto [raw, tangent] = network->forward_tangent(with_origin(x), with_origin(direction));
+  const torch::Tensor difference = less_origin(raw);
+  const torch::Tensor along = tangent.narrow(0, 0, x.size(0));
+  return {difference.square().sum(1) + quadratic_ * x.square().sum(1),
+          2.0 * ((difference * along).sum(1) + quadratic_ * (x * direction).sum(1))};
+}
+
+LayerStack LyapunovImpl::snapshot() const {
+  return {network->layers(), squared_ ? Head::squared_norm : Head::plain, quadratic_};
+}
+
+void LyapunovImpl::restore(const LayerStack& stack) {
+  check(stack.head == (squared_ ? Head::squared_norm : Head::plain) && stack.quadratic == quadratic_,
+        "networks.V: found head {} with quadratic {}, expected {} with {}", to_string(stack.head),
+        stack.quadratic, squared_ ? "squared_norm" : "plain", quadratic_);
+  network->set_layers(stack.layers);
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "s2nnds/networks/mlp.h"
+
+namespace s2nnds {
+
+// The module of LyapunovOptions, which has the formulas.
+class LyapunovImpl : public torch::nn::Module {
+ public:
+  LyapunovImpl(std::int64_t dimension, const LyapunovOptions& options, RandomStream& random,
+               torch::Dtype dtype = torch::kFloat32);
+  torch::Tensor forward(const torch::Tensor& x);  // [N, n] -> [N]
+  // V(x) and grad V(x) . direction, both [N].
+  std::pair<torch::Tensor, torch::Tensor> forward_tangent(const torch::Tensor& x,
+                                                          const torch::Tensor& direction);
+  LayerStack snapshot() const;
+  void restore(const LayerStack& stack);  // throws Error if the shapes differ
+
+  Mlp network{nullptr};
+
+ private:
+  bool squared_;
+  double quadratic_;
+};
+TORCH_MODULE(Lyapunov);
+
+}  // namespace s2nnds

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "s2nnds/core/random.h"
+#include "s2nnds/networks/fused_network.h"
+#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_options.h"
+
+namespace s2nnds {
+
+// How products and activations are computed. Both give the same numbers up to rounding.
+enum class Engine {
+  fused,     // one custom autograd function a network: fast
+  autograd,  // ATen operations one by one, gradients of gradients by double backward: the reference
+};
+Engine engine_from(std::string_view name);
+
+// A fully connected network as a torch::nn module. All weights live in one flat parameter `theta` (per layer
+// the weight [out, in] row-major, then the bias [out]), so that an optimiser step is a handful of operations.
+class MlpImpl : public torch::nn::Module {
+ public:
+  // Xavier uniform weights; throws Error on a bad size. dtype: torch::kFloat32 or kFloat64.
+  MlpImpl(std::int64_t inputs, std::int64_t outputs, const MlpOptions& options, RandomStream& random,
+          torch::Dtype dtype = torch::kFloat32);
+
+  // x [N, n] -> N(x) [N, m].
+  torch::Tensor forward(const torch::Tensor& x);
+  // N(x) and its derivative along `direction` [N, n], both [N, m]. Differentiable in theta and in the
+  // direction, not in x. Fused engine only.
+  std::pair<torch::Tensor, torch::Tensor> forward_tangent(const torch::Tensor& x,
+                                                          const torch::Tensor& direction);
+
+  Engine engine = Engine::fused;
+  torch::Tensor theta;  // [parameters]
+
+  std::int64_t inputs() const { return shapes_.front().inputs; }
+  std::int64_t outputs() const { return shapes_.back().outputs; }
+  const std::vector<LayerShape>& shapes() const { return shapes_; }
+  std::vector<Layer> layers() const;                  // a double snapshot
+  void set_layers(const std::vector<Layer>& layers);  // throws Error if the shapes differ
+
+ private:
+  template <typename T>
+  std::pair<torch::Tensor, torch::Tensor> run_fused(const torch::Tensor& x, const torch::Tensor& direction);
+  torch::Tensor run_plain(torch::Tensor x);
+
+  std::vector<LayerShape> shapes_;
+  std::shared_ptr<FusedNetwork<float>> fused_float_;
+  std::shared_ptr<FusedNetwork<double>> fused_double_;
+};
+TORCH_MODULE(Mlp);
+
+// sigma(z) by ATen.
+torch::Tensor activate(Activation activation, const torch::Tensor& z);
+
+}  // namespace s2nnds

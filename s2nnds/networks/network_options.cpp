@@ -1,0 +1,46 @@
+#include "s2nnds/networks/network_options.h"
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/networks/layer_stack.h"
+
+namespace s2nnds {
+
+void MlpOptions::visit(FieldVisitor& v) {
+  v.field("hidden", hidden, between(1, 4096));
+  v.field("activation", activation, activation_names());
+  v.field("output_activation", output_activation, activation_names());
+  v.field("bias", bias);
+  v.field("first_layer_gain", first_layer_gain, above(0.0));
+  v.field("first_layer_bias", first_layer_bias, at_least(0.0));
+}
+
+void VectorFieldOptions::visit(FieldVisitor& v) {
+  network.visit(v);
+  v.field("anchored", anchored);
+}
+
+void LyapunovOptions::visit(FieldVisitor& v) {
+  network.visit(v);
+  v.field("form", form, {"squared_norm", "scalar"});
+  if (form != "squared_norm") return;
+  v.field("features", features, between(1, 4096));
+  v.field("quadratic", quadratic, above(0.0));
+}
+
+void BarrierOptions::visit(FieldVisitor& v) { network.visit(v); }
+
+void NetworkOptions::visit(FieldVisitor& v) {
+  v.group("f", f);
+  v.group("V", V);
+  v.group("B", B);
+}
+
+NetworkOptions paper_networks() {
+  NetworkOptions options;
+  options.f = {.network = {.hidden = {64, 64, 64, 64}, .output_activation = "tanh", .bias = false}, .anchored = false};
+  options.V = {.network = {.hidden = {128, 128, 128}, .activation = "elu", .bias = false}, .form = "scalar"};
+  options.B = {.network = {.hidden = {128, 128, 128}, .activation = "elu"}};
+  return options;
+}
+
+}  // namespace s2nnds

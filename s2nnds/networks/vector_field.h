@@ -1,0 +1,23 @@
+#pragma once
+
+#include "s2nnds/networks/mlp.h"
+
+namespace s2nnds {
+
+// The module of VectorFieldOptions, which has the formulas.
+class VectorFieldImpl : public torch::nn::Module {
+ public:
+  VectorFieldImpl(std::int64_t dimension, const VectorFieldOptions& options, RandomStream& random,
+                  torch::Dtype dtype = torch::kFloat32);
+  torch::Tensor forward(const torch::Tensor& x);  // [N, n] -> [N, n]
+  LayerStack snapshot() const;
+  void restore(const LayerStack& stack);  // throws Error if the shapes differ
+
+  Mlp network{nullptr};
+
+ private:
+  bool anchored_;
+};
+TORCH_MODULE(VectorField);
+
+}  // namespace s2nnds

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <torch/torch.h>
+
+namespace s2nnds {
+
+// N(x) - N(0) in one pass: the origin goes through the network as one more row.
+inline torch::Tensor with_origin(const torch::Tensor& x) {
+  return torch::cat({x, torch::zeros({1, x.size(1)}, x.options())});
+}
+inline torch::Tensor less_origin(const torch::Tensor& values) {
+  const std::int64_t samples = values.size(0) - 1;
+  return values.narrow(0, 0, samples) - values.narrow(0, samples, 1);
+}
+
+}  // namespace s2nnds

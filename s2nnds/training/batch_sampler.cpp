@@ -1,0 +1,154 @@
+#include "s2nnds/training/batch_sampler.h"
+
+#include <cmath>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr double kNearestToGoal = 1e-3;  // least distance of the samples around the goal, share of the workspace
+
+// Whether the box surely or possibly meets the region; bisects a little, since enclosures of large boxes are wide.
+bool may_meet(const Region& region, const Box& box, int depth) {
+  switch (region.classify(box)) {
+    case Location::inside: return true;
+    case Location::outside: return false;
+    case Location::unknown: break;
+  }
+  if (depth == 0) return true;
+  const auto [left, right] = box.bisect(box.widest_side());
+  return may_meet(region, left, depth - 1) || may_meet(region, right, depth - 1);
+}
+
+void append_some(Points& batch, Eigen::Index& at, const Points& from, Eigen::Index count, RandomStream& random) {
+  for (Eigen::Index i = 0; i < count; ++i) batch.row(at++) = from.row(random.below(from.rows()));
+}
+
+Points some(const Points& from, Eigen::Index count, Eigen::Index dimension, RandomStream& random) {
+  Points batch(from.rows() > 0 ? count : 0, dimension);
+  Eigen::Index at = 0;
+  append_some(batch, at, from, batch.rows(), random);
+  return batch;
+}
+
+void append(Points& pool, const Points& more, std::int64_t additions, std::int64_t capacity) {
+  const Eigen::Index added = std::min<Eigen::Index>(more.rows(), additions);
+  if (added == 0) return;
+  Points all(pool.rows() + added, more.cols());
+  all << pool, more.topRows(added);
+  const Eigen::Index kept = std::min<Eigen::Index>(all.rows(), capacity);
+  pool = all.bottomRows(kept).eval();
+}
+
+std::optional<RegionSampler> sampler_of(const RegionPtr& region, const Box& within) {
+  if (!region) return std::nullopt;
+  RegionSampler sampler(region, within);
+  if (sampler.empty()) return std::nullopt;
+  return sampler;
+}
+
+}  // namespace
+
+BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
+                           const BatchOptions& options, double keep_clear)
+    : problem_(problem),
+      options_(options),
+      initial_(sampler_of(problem.initial, problem.workspace)),
+      unsafe_(sampler_of(problem.unsafe, problem.workspace)),
+      shell_(sampler_of(problem.shell, problem.workspace)) {
+  check(options.share_counterexamples + options.share_band + options.share_goal <= 1.0,
+        "training.batch: the shares add up to {}, expected at most 1",
+        options.share_counterexamples + options.share_band + options.share_goal);
+  const Points position = stack_positions(demonstrations), velocity = stack_velocities(demonstrations);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < position.rows(); ++i) {
+    const Vector x = position.row(i);
+    const Vector reach = Vector::Constant(x.size(), keep_clear);
+    if (keep_clear == 0.0 || !may_meet(*problem.unsafe, {x - reach, x + reach}, 8)) kept.push_back(i);
+  }
+  check(!kept.empty(), "training: every demonstration sample lies within keep_clear = {} of the unsafe set",
+        keep_clear);
+  left_out_ = position.rows() - static_cast<std::int64_t>(kept.size());
+  position_ = position(kept, Eigen::all);
+  velocity_ = velocity(kept, Eigen::all);
+  const Points none(0, problem.dimension());
+  pools_ = {none, none, none};
+  near_band_ = safe_ = doomed_ = none;
+}
+
+Points BatchSampler::uniform(std::int64_t count, RandomStream& random) const {
+  Points x(count, problem_.dimension());
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    for (Eigen::Index k = 0; k < x.cols(); ++k) {
+      x(i, k) = random.uniform(problem_.workspace.lower[k], problem_.workspace.upper[k]);
+    }
+  }
+  return x;
+}
+
+Points BatchSampler::draw_workspace(RandomStream& random) const {
+  const auto share = [&](double part, const Points& pool) {
+    return pool.rows() > 0 ? static_cast<Eigen::Index>(part * static_cast<double>(options_.workspace)) : 0;
+  };
+  const Eigen::Index counterexamples = share(options_.share_counterexamples, pools_.workspace);
+  const Eigen::Index band = share(options_.share_band, near_band_);
+  const Eigen::Index goal = share(options_.share_goal, position_);
+  Points x = uniform(options_.workspace, random);
+  Eigen::Index at = 0;
+  append_some(x, at, pools_.workspace, counterexamples, random);
+  append_some(x, at, near_band_, band, random);
+  const double reach = problem_.workspace.half_widths().minCoeff();
+  for (Eigen::Index i = 0; i < goal; ++i, ++at) {
+    const double radius = reach * std::exp(random.uniform(std::log(kNearestToGoal), 0.0));
+    for (Eigen::Index k = 0; k < x.cols(); ++k) x(at, k) = random.normal();
+    x.row(at) *= radius / x.row(at).norm();
+  }
+  return x;
+}
+
+Batch BatchSampler::draw(RandomStream& random) const {
+  const Eigen::Index n = problem_.dimension();
+  Batch batch;
+  batch.position.resize(options_.demonstrations, n);
+  batch.velocity.resize(options_.demonstrations, n);
+  for (Eigen::Index i = 0; i < options_.demonstrations; ++i) {
+    const std::size_t sample = random.below(position_.rows());
+    batch.position.row(i) = position_.row(sample);
+    batch.velocity.row(i) = velocity_.row(sample);
+  }
+  batch.workspace = draw_workspace(random);
+  const auto region = [&](const std::optional<RegionSampler>& sampler, const Points& pool, Eigen::Index count) {
+    Points x(sampler ? count : 0, n);
+    if (x.rows() == 0) return x;
+    const Eigen::Index old = pool.rows() > 0 ? count / 3 : 0;
+    x.bottomRows(count - old) = sampler->sample(count - old, random);
+    Eigen::Index at = 0;
+    append_some(x, at, pool, old, random);
+    return x;
+  };
+  batch.initial = region(initial_, pools_.initial, options_.initial);
+  const Points obstacle = region(unsafe_, pools_.unsafe, options_.unsafe);
+  const Points shell = region(shell_, pools_.unsafe, options_.shell);
+  batch.unsafe.resize(obstacle.rows() + shell.rows(), n);
+  batch.unsafe << obstacle, shell;
+  batch.safe = some(safe_, options_.labels / 2, n, random);
+  batch.doomed = some(doomed_, options_.labels / 2, n, random);
+  return batch;
+}
+
+void BatchSampler::add(const Counterexamples& found, std::int64_t additions, std::int64_t capacity) {
+  for (std::size_t q = 0; q < all_conditions.size(); ++q) {
+    Points* pool = &pools_.workspace;
+    if (all_conditions[q] == Condition::initial) pool = &pools_.initial;
+    if (all_conditions[q] == Condition::unsafe || all_conditions[q] == Condition::containment) pool = &pools_.unsafe;
+    append(*pool, found.points[q], additions, capacity);
+  }
+}
+
+void BatchSampler::set_labels(Points safe, Points doomed) {
+  safe_ = std::move(safe);
+  doomed_ = std::move(doomed);
+}
+
+}  // namespace s2nnds

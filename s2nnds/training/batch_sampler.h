@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+
+#include "s2nnds/data/demonstration.h"
+#include "s2nnds/problem/region_sampler.h"
+#include "s2nnds/training/counterexample.h"
+#include "s2nnds/training/trainer_options.h"
+
+namespace s2nnds {
+
+// The points of one training step, in normalised coordinates. Empty [0, n] where there is nothing to draw.
+struct Batch {
+  Points position, velocity;  // of demonstrations
+  Points workspace;
+  Points initial;
+  Points unsafe;              // of Xu, the shell and the counterexamples of both
+  Points safe, doomed;        // labelled by rollouts
+};
+
+// Counterexamples found so far: what a checkpoint keeps besides the networks.
+struct CounterexamplePools {
+  Points workspace, initial, unsafe;  // [k, n], oldest first
+};
+
+// Draws training batches. What it knows of the networks (points near {B = 0}, rollout labels) is handed to it.
+class BatchSampler {
+ public:
+  // `keep_clear`: demonstration samples nearer to the unsafe set than this, per axis, are left out.
+  BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
+               const BatchOptions& options, double keep_clear);
+
+  Batch draw(RandomStream& random) const;
+  Points uniform(std::int64_t count, RandomStream& random) const;  // in X: [count, n]
+
+  void add(const Counterexamples& found, std::int64_t additions, std::int64_t capacity);
+  void set_near_band(Points points) { near_band_ = std::move(points); }
+  void set_labels(Points safe, Points doomed);
+
+  const CounterexamplePools& pools() const { return pools_; }
+  void set_pools(CounterexamplePools pools) { pools_ = std::move(pools); }
+  std::int64_t kept_samples() const { return position_.rows(); }
+  std::int64_t left_out_samples() const { return left_out_; }
+
+ private:
+  Points draw_workspace(RandomStream& random) const;
+
+  const SafetyProblem& problem_;
+  BatchOptions options_;
+  Points position_, velocity_;
+  std::int64_t left_out_ = 0;
+  std::optional<RegionSampler> initial_, unsafe_, shell_;
+  CounterexamplePools pools_;
+  Points near_band_, safe_, doomed_;
+};
+
+}  // namespace s2nnds

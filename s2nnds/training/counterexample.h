@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "s2nnds/conditions/condition.h"
+#include "s2nnds/core/random.h"
+
+namespace s2nnds {
+
+// Points that violate a condition, worst first, and how many were seen in all.
+struct Counterexamples {
+  std::array<Points, condition_count> points;           // [k, n] each, for all_conditions[i]
+  std::array<std::int64_t, condition_count> counts{};   // violations found (points may hold fewer)
+  std::array<std::int64_t, condition_count> samples{};  // points examined where the condition applied
+
+  std::int64_t total() const;
+};
+
+// Something that looks for points where the networks violate a condition: random sampling, local search, or the
+// open boxes of a proof. The trainer asks each source after every round; the driver decides which there are.
+class CounterexampleSource {
+ public:
+  virtual ~CounterexampleSource() = default;
+  virtual std::string name() const = 0;
+  // `round` names the random streams, so that a resumed run sees what an unbroken one would.
+  virtual Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
+                               std::uint64_t seed, std::int64_t round) = 0;
+  // Asked only when all sources before it found nothing (a proof costs more than samples).
+  virtual bool only_when_clean() const { return false; }
+};
+
+}  // namespace s2nnds

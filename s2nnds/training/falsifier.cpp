@@ -1,0 +1,139 @@
+#include "s2nnds/training/falsifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace s2nnds {
+namespace {
+
+std::vector<RegionSampler> sample_regions(const SafetyProblem& problem) {
+  std::vector<RegionSampler> samplers;
+  for (const RegionPtr& region : {problem.initial, problem.unsafe, problem.shell}) {
+    if (!region) continue;
+    RegionSampler sampler(region, problem.workspace);
+    if (!sampler.empty()) samplers.push_back(std::move(sampler));
+  }
+  return samplers;
+}
+
+Points uniform(const Box& box, std::int64_t count, RandomStream& random) {
+  Points x(count, box.dimension());
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    for (Eigen::Index k = 0; k < x.cols(); ++k) x(i, k) = random.uniform(box.lower[k], box.upper[k]);
+  }
+  return x;
+}
+
+Points append(const Points& a, const Points& b) {
+  Points all(a.rows() + b.rows(), b.cols());
+  all << a, b;
+  return all;
+}
+
+Points all_samples(const SafetyProblem& problem, const std::vector<RegionSampler>& samplers, std::int64_t count,
+                   RandomStream& random) {
+  Points x = uniform(problem.workspace, count, random);
+  for (const RegionSampler& sampler : samplers) x = append(x, sampler.sample(std::max<std::int64_t>(1, count / 10), random));
+  return x;
+}
+
+// The `keep` rows with the largest residual of condition q, largest first; NaN counts as largest.
+std::vector<Eigen::Index> worst(const Points& residual, Eigen::Index q, std::size_t keep,
+                                const std::vector<Eigen::Index>& among) {
+  std::vector<Eigen::Index> order = among;
+  const auto key = [&](Eigen::Index i) {
+    const double r = residual(i, q);
+    return std::isnan(r) ? std::numeric_limits<double>::infinity() : r;
+  };
+  keep = std::min(keep, order.size());
+  std::partial_sort(order.begin(), order.begin() + keep, order.end(), [&](Eigen::Index a, Eigen::Index b) {
+    return key(a) != key(b) ? key(a) > key(b) : a < b;
+  });
+  order.resize(keep);
+  return order;
+}
+
+Counterexamples violators(const Points& x, const Points& residual, std::int64_t keep) {
+  Counterexamples found;
+  for (Eigen::Index q = 0; q < condition_count; ++q) {
+    std::vector<Eigen::Index> bad;
+    for (Eigen::Index i = 0; i < x.rows(); ++i) {
+      const double r = residual(i, q);
+      if (r == -std::numeric_limits<double>::infinity()) continue;
+      ++found.samples[q];
+      if (is_violated(all_conditions[q], r)) bad.push_back(i);
+    }
+    found.counts[q] = static_cast<std::int64_t>(bad.size());
+    const std::vector<Eigen::Index> kept = worst(residual, q, keep, bad);
+    found.points[q].resize(kept.size(), x.cols());
+    for (std::size_t i = 0; i < kept.size(); ++i) found.points[q].row(i) = x.row(kept[i]);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::int64_t Counterexamples::total() const { return std::accumulate(counts.begin(), counts.end(), std::int64_t{0}); }
+
+RandomFalsifier::RandomFalsifier(const SafetyProblem& problem, const FalsifierOptions& options)
+    : options_(options), samplers_(sample_regions(problem)) {}
+
+Counterexamples RandomFalsifier::find(const Networks& networks, const SafetyProblem& problem, double band,
+                                      std::uint64_t seed, std::int64_t round) {
+  RandomStream random(seed, "falsifier/random", round);
+  const Points x = all_samples(problem, samplers_, options_.samples, random);
+  return violators(x, residuals(networks, problem, band, x), options_.keep);
+}
+
+LocalSearchFalsifier::LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options, int starts,
+                                           int steps)
+    : options_(options), samplers_(sample_regions(problem)), starts_(starts), steps_(steps) {}
+
+Counterexamples LocalSearchFalsifier::find(const Networks& networks, const SafetyProblem& problem, double band,
+                                           std::uint64_t seed, std::int64_t round) {
+  RandomStream random(seed, "falsifier/local search", round);
+  const Points x = all_samples(problem, samplers_, options_.samples / 10, random);
+  const Points residual = residuals(networks, problem, band, x);
+  Counterexamples found;
+  for (Eigen::Index q = 0; q < condition_count; ++q) {
+    std::vector<Eigen::Index> applicable;
+    for (Eigen::Index i = 0; i < x.rows(); ++i) {
+      if (residual(i, q) != -std::numeric_limits<double>::infinity()) applicable.push_back(i);
+    }
+    const std::vector<Eigen::Index> starts = worst(residual, q, starts_, applicable);
+    if (starts.empty()) continue;
+    Points best(starts.size(), x.cols());
+    Vector value(starts.size());
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      best.row(i) = x.row(starts[i]);
+      value[i] = residual(starts[i], q);
+    }
+    double length = 0.02 * problem.workspace.half_widths().maxCoeff();
+    for (int step = 0; step < steps_; ++step, length *= 0.75) {
+      Points trial = best;
+      for (Eigen::Index i = 0; i < trial.rows(); ++i) {
+        for (Eigen::Index k = 0; k < trial.cols(); ++k) {
+          trial(i, k) = std::clamp(trial(i, k) + length * random.normal(), problem.workspace.lower[k],
+                                   problem.workspace.upper[k]);
+        }
+      }
+      const Points climbed = residuals(networks, problem, band, trial);
+      for (Eigen::Index i = 0; i < trial.rows(); ++i) {
+        if (climbed(i, q) > value[i]) {
+          best.row(i) = trial.row(i);
+          value[i] = climbed(i, q);
+        }
+      }
+    }
+    Points only = Points::Constant(best.rows(), condition_count, -std::numeric_limits<double>::infinity());
+    only.col(q) = value;
+    const Counterexamples of_q = violators(best, only, options_.keep);
+    found.points[q] = of_q.points[q];
+    found.counts[q] = of_q.counts[q];
+    found.samples[q] = of_q.samples[q];
+  }
+  return found;
+}
+
+}  // namespace s2nnds
