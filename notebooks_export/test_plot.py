@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests of the run reader and the figures on synthetic run files.
 
-    /usr/bin/python3 notebooks_export/test_plot.py
+/usr/bin/python3 notebooks_export/test_plot.py
 """
 
 import contextlib
@@ -427,22 +427,20 @@ class PlotTest(TemporaryFolder):
     def test_many_dimensions(self):
         self.plot(["phase_portrait", "lyapunov", "history"], n=4, open_boxes=3)
 
-    def test_a_bare_run(self):
+    def test_a_bare_run_with_a_lyapunov_function_below_zero_everywhere(self):
         synthetic_run(self.path("run.h5"))
         with h5py.File(self.path("run.h5"), "a") as file:
-            for name in ("certificate", "evaluation", "rollouts", "grid", "history"):
+            for name in ("certificate", "evaluation", "rollouts", "history"):
                 del file[name]
+            file["grid/V"][...] = -1.0
         self.figures(["phase_portrait", "lyapunov"])
 
-    def test_a_barrier_without_safe_set_and_a_lyapunov_function_below_zero(self):
+    def test_a_barrier_without_safe_set_and_a_lyapunov_function_below_zero_somewhere(self):
         synthetic_run(self.path("run.h5"))
         with h5py.File(self.path("run.h5"), "a") as file:
             file["grid/B"][...] = 1.0
             file["grid/V"][...] -= 0.5
             file["grid/unsafe"][...] = np.nan
-        self.figures(["phase_portrait", "lyapunov", "history"])
-        with h5py.File(self.path("run.h5"), "a") as file:
-            file["grid/V"][...] = -1.0
             file["history/loss"][...] = np.nan
         self.figures(["phase_portrait", "lyapunov", "history"])
 
