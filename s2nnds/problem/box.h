@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <utility>
 
 #include "s2nnds/core/points.h"
 
@@ -14,13 +14,17 @@ struct Box {
   static Box cube(Eigen::Index dimension, double half_width);  // [-half_width, half_width]^n
 
   Eigen::Index dimension() const { return lower.size(); }
-  bool contains(const Eigen::Ref<const Vector>& x) const;
+  bool contains(const Eigen::Ref<const Vector>& x) const;  // false for NaN and for another dimension
+  // The side's midpoint: not a number where both ends are infinite.
   Vector center() const;
+  // Rounded up, so that center() -+ half_widths() encloses the box in exact arithmetic.
   Vector half_widths() const;
-  double volume() const;
-  bool is_empty() const;              // some lower > upper (or NaN)
+  double volume() const;  // 0 if empty
+  bool is_empty() const;  // some lower > upper (or NaN), or sides that do not match
+  bool is_finite() const;
   Box intersection(const Box& other) const;
   Eigen::Index widest_side() const;
+  // The lower and the upper half; both hold their common face. Throws Error unless that side is finite.
   std::pair<Box, Box> bisect(Eigen::Index axis) const;
 };
 

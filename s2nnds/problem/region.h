@@ -7,6 +7,8 @@
 #include "s2nnds/core/options.h"
 #include "s2nnds/core/points.h"
 #include "s2nnds/problem/box.h"
+#include "s2nnds/problem/interval.h"
+#include "s2nnds/problem/polynomial.h"
 
 namespace at {
 class Tensor;
@@ -23,51 +25,63 @@ class Region {
   virtual ~Region() = default;
 
   virtual Eigen::Index dimension() const = 0;
-  // The level function at N points [N, n] -> [N]; negative inside. Throws Error on a wrong dimension, and when the
-  // level is not a number somewhere.
+  // The level function at N points [N, n] -> [N]; negative inside. Throws Error on a wrong dimension, and
+  // when the level is not a number somewhere.
   Vector level(const Points& x) const;
-  // The same for tensors [N, n] of any floating type -> [N] of that type.
+  // The same for tensors [N, n] of any floating type and device -> [N] of that type; not differentiated.
   at::Tensor level(const at::Tensor& x) const;
   bool contains(const Eigen::Ref<const Vector>& x) const;
-  // Sound in floating point: `inside` only if every point of the box is in the set, `outside` only if none is.
-  virtual Location classify(const Box& box) const = 0;
+  // Sound in floating point: `inside` only if every point of the box is in the set, `outside` only if none
+  // is. Also unknown: empty boxes, boxes with NaN, and those where the level may not be defined.
+  Location classify(const Box& box) const;
+  // Holds the exact level of every point of the box [n]; undefined (NaN) when that cannot be said.
+  Interval enclosure(const Box& box) const;
   // One line for reports and certificates: "ball centre (-0.4, 0.35) radius 0.1".
   virtual std::string describe() const = 0;
 
  protected:
   virtual void evaluate(const Points& x, Vector& level) const = 0;
+  virtual Interval enclose(const Box& box) const = 0;  // of a box that is not empty
 };
 using RegionPtr = std::shared_ptr<const Region>;
 
 // A region as a configuration writes it: type and the keys of that type.
 struct RegionOptions {
-  // "none" (the empty set), ball, box, ellipsoid, polynomial, halfspace, expression, union, intersection, complement
+  // "none" (the empty set), ball, box, ellipsoid, polynomial, halfspace, expression, union, intersection,
+  // complement; for an initial set also auto and ball_auto (safety_problem.h)
   std::string type = "none";
-  std::vector<double> center;        // ball, ellipsoid
-  double radius = 0.0;               // ball, > 0
-  std::vector<double> semi_axes;     // ellipsoid, > 0: sum ((x_i - center_i) / semi_axes_i)^2 <= 1
-  std::vector<double> lower, upper;  // box, infinite sides allowed
-  std::vector<double> normal;        // halfspace: normal . x <= offset
+  std::vector<double> center = {};             // ball, ellipsoid
+  double radius = 0.0;                         // ball, ball_auto: > 0
+  std::vector<double> semi_axes = {};          // ellipsoid, > 0: sum ((x_i - center_i) / semi_axes_i)^2 <= 1
+  std::vector<double> lower = {}, upper = {};  // box, infinite sides allowed
+  std::vector<double> normal = {};             // halfspace: normal . x <= offset
   double offset = 0.0;
-  std::string level;                 // expression, polynomial: closed form in x, y, z or x1..xn, <= 0 inside
-  std::string file;                  // polynomial: published coefficients (JSON: coefs, monomials) instead of `level`
-  double sign = 1.0;                 // polynomial from a file: inside where sign * p <= 0
-  std::vector<RegionOptions> of;     // union, intersection, complement (one)
+  std::string level = {};  // expression, polynomial: closed form in x, y, z or x1..xn, <= 0 inside
+  std::string file = {};   // polynomial: published coefficients (JSON: coefs, monomials) instead of `level`
+  double sign = 1.0;       // polynomial: inside where sign * p <= 0; 1 or -1
+  std::vector<RegionOptions> of = {};  // union, intersection, complement (one)
 
   void visit(FieldVisitor& v);
 };
 
-// Throws Error saying which key of which region is wrong. `data_dir` is where `file` is looked up.
-RegionPtr make_region(const RegionOptions& options, Eigen::Index dimension, const std::string& data_dir = "");
+// Throws Error saying which key of which region is wrong; `where` names the region in it. `data_dir` is where
+// `file` is looked up.
+RegionPtr make_region(const RegionOptions& options, Eigen::Index dimension, const std::string& data_dir = "",
+                      const std::string& where = "region");
 
+// Levels: the signed distance for ball, half-space and (inside) box, which outside has the largest
+// coordinate's excess; the scaled radius for ellipsoids; the function itself for polynomials and expressions;
+// min, max and minus for union, intersection and complement; +infinity for the empty region. The factories
+// throw Error on sizes that do not match and on radii and semi-axes that are not positive.
 RegionPtr empty_region(Eigen::Index dimension);
 RegionPtr ball(const Vector& center, double radius);
 RegionPtr box_region(const Box& box);
 RegionPtr ellipsoid(const Vector& center, const Vector& semi_axes);
 RegionPtr halfspace(const Vector& normal, double offset);
 RegionPtr expression(const std::string& level, Eigen::Index dimension);
+RegionPtr polynomial(const Polynomial& level, const std::string& name);  // `name` is how describe() calls it
 RegionPtr unite(std::vector<RegionPtr> regions);
 RegionPtr intersect(std::vector<RegionPtr> regions);
-RegionPtr complement(RegionPtr region);
+RegionPtr complement(RegionPtr region);  // closed: the boundary belongs to both
 
 }  // namespace s2nnds

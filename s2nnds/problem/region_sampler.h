@@ -1,25 +1,32 @@
 #pragma once
 
+#include <vector>
+
 #include "s2nnds/core/random.h"
 #include "s2nnds/problem/region.h"
 
 namespace s2nnds {
 
-// Draws i.i.d. uniform points of a region within a box. Paves the box once into sub-boxes that the region calls
-// inside or unknown, picks them by volume and rejects, so that small or thin sets cost few draws.
+// Draws i.i.d. uniform points of a region within a box. Paves the box once into sub-boxes that the region
+// calls inside or unknown, picks them by volume and rejects, so that small or thin sets cost few draws.
 class RegionSampler {
  public:
+  // Throws Error unless `within` is finite and of the region's dimension.
   RegionSampler(RegionPtr region, const Box& within);
 
-  // No point was found: the region is (as far as sampling can tell) empty within the box.
+  // No point was found: the region is (as far as sampling can tell) empty within the box. True for sets
+  // without volume.
   bool empty() const { return cover_.empty(); }
   // [count, n]. Throws Error if empty.
   Points sample(std::size_t count, RandomStream& random) const;
-  // Bounds on the volume of the region within the box, from the paving.
+  // Bounds on the volume of the region within the box, from the paving; 0 if empty.
   double volume_inside() const { return volume_inside_; }
   double volume_cover() const { return volume_cover_; }
 
  private:
+  void pave(const Box& within);
+  void draw(Points& candidates, std::vector<bool>& accepted, RandomStream& random) const;
+
   RegionPtr region_;
   std::vector<Box> cover_;
   std::vector<double> cumulative_volume_;

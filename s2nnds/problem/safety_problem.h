@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "s2nnds/core/options.h"
 #include "s2nnds/data/demonstration.h"
 #include "s2nnds/problem/region.h"
 
@@ -9,28 +10,38 @@ namespace s2nnds {
 
 // What a motion must satisfy, in normalised, goal-centred coordinates (the goal is the origin).
 struct SafetyProblem {
-  Box workspace;               // X
-  RegionPtr initial;           // X0
-  RegionPtr unsafe;            // Xu, the obstacle
-  RegionPtr shell;             // outside of containment * X; entering it counts as leaving the workspace. May be null
-  double containment = 0.97;   // the safe set must lie in containment * X
+  Box workspace;      // X
+  RegionPtr initial;  // X0
+  RegionPtr unsafe;   // Xu, the obstacle
+  // {x : |x|_inf >= containment * workspace}, closed: entering it counts as leaving the workspace. Null if
+  // the safe set need not be contained.
+  RegionPtr shell;
+  double containment = 0.97;  // the safe set must lie in containment * X
 
   Eigen::Index dimension() const { return workspace.dimension(); }
 };
 
 struct ProblemOptions {
-  double workspace = 1.25;     // X = [-workspace, workspace]^n
-  bool contain = true;         // require {B <= 0} inside containment * X
+  double workspace = 1.25;  // X = [-workspace, workspace]^n
+  bool contain = true;      // require {B <= 0} inside containment * X
   double containment = 0.97;
-  double padding = 0.02;       // X0 of type "auto": box around the demonstrations' first points, grown by this
-  RegionOptions initial = {.type = "auto"};  // "auto", "ball_auto" (ball of `radius` around their mean), or any region
+  double padding = 0.02;  // X0 of type "auto": grows it on every side
+  // "auto": the box around the demonstrations' first points, grown by `padding`, clipped to [-1, 1]^n;
+  // "ball_auto": the ball of `radius` around their mean; or any region.
+  RegionOptions initial = {.type = "auto"};
   RegionOptions unsafe;
 
   void visit(FieldVisitor& v);
 };
 
-// Builds the sets and checks them: throws Error when the obstacle covers the goal, when X0 meets Xu or is empty or
-// leaves the workspace, or when demonstrations leave the workspace. `demonstrations` are normalised.
+// Builds the sets and checks them. Throws Error, naming the place, when
+// - options are out of range, or a region is not well written or is not defined somewhere in the workspace
+// (X0: in twice the workspace),
+// - a demonstration leaves the workspace,
+// - the obstacle covers the goal, or is not "none" but has no points in the workspace,
+// - X0 has no volume, or a point of it was found that is outside of (containment *) X or in the obstacle.
+// The last three search with pavings and samples: an error names a point, but its absence proves nothing.
+// Demonstrations may pass through the obstacle. `demonstrations` are normalised.
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
                            const std::string& data_dir = "");
 

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace s2nnds {
+
+// Outward rounding without switching the processor's rounding mode: IEEE 754 doubles rounded to nearest,
+// every result moved to the neighbouring double away from the interval. Assumes round to nearest and gradual
+// underflow. The smallest double above x; +infinity and NaN stay.
+inline double next_up(double x) {
+  if (!(x < std::numeric_limits<double>::infinity())) return x;
+  if (x == 0.0) return std::numeric_limits<double>::denorm_min();
+  const auto bits = std::bit_cast<std::int64_t>(x);
+  return std::bit_cast<double>(x > 0.0 ? bits + 1 : bits - 1);
+}
+inline double next_down(double x) { return -next_up(-x); }
+
+// A closed interval of real numbers that holds the exact value of what was computed. A bound may be infinite.
+// Both bounds are NaN where the value is not defined (the root or logarithm of an interval with negative
+// numbers): nothing is known then, and every comparison with it is false.
+struct Interval {
+  double lower = 0.0;
+  double upper = 0.0;
+
+  constexpr Interval() = default;
+  constexpr Interval(double point) : lower(point), upper(point) {}  // NOLINT: numbers are intervals
+  constexpr Interval(double low, double high) : lower(low), upper(high) {}
+
+  static constexpr Interval whole() {
+    return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  }
+  static constexpr Interval undefined() {
+    return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  }
+
+  bool is_defined() const { return lower <= upper; }
+  bool is_point() const { return lower == upper; }
+  bool contains(double x) const { return lower <= x && x <= upper; }
+  double width() const { return next_up(upper - lower); }
+  double magnitude() const { return std::max(std::abs(lower), std::abs(upper)); }  // max |x|
+};
+
+namespace interval_detail {
+// A sum that rounds to zero is exact.
+inline double sum_down(double a, double b) {
+  const double sum = a + b;
+  return sum == 0.0 ? 0.0 : next_down(sum);
+}
+inline double sum_up(double a, double b) { return -sum_down(-a, -b); }
+// The end of an interval may be infinite, its points are not: 0 times infinity is 0 here.
+inline double product(double a, double b) { return a == 0.0 || b == 0.0 ? 0.0 : a * b; }
+}  // namespace interval_detail
+
+inline Interval operator-(const Interval& a) { return {-a.upper, -a.lower}; }
+
+inline Interval operator+(const Interval& a, const Interval& b) {
+  return {interval_detail::sum_down(a.lower, b.lower), interval_detail::sum_up(a.upper, b.upper)};
+}
+
+inline Interval operator-(const Interval& a, const Interval& b) { return a + (-b); }
+
+inline Interval operator*(const Interval& a, const Interval& b) {
+  using interval_detail::product;
+  if (!a.is_defined() || !b.is_defined()) return Interval::undefined();
+  const double p = product(a.lower, b.lower), q = product(a.lower, b.upper);
+  const double r = product(a.upper, b.lower), s = product(a.upper, b.upper);
+  Interval result(next_down(std::min(std::min(p, q), std::min(r, s))),
+                  next_up(std::max(std::max(p, q), std::max(r, s))));
+  // The sign is exact even where the product underflows to zero.
+  const bool nonnegative = (a.lower >= 0.0 && b.lower >= 0.0) || (a.upper <= 0.0 && b.upper <= 0.0);
+  const bool nonpositive = (a.lower >= 0.0 && b.upper <= 0.0) || (a.upper <= 0.0 && b.lower >= 0.0);
+  if (nonnegative) result.lower = std::max(result.lower, 0.0);
+  if (nonpositive) result.upper = std::min(result.upper, 0.0);
+  return result;
+}
+
+inline Interval& operator+=(Interval& a, const Interval& b) { return a = a + b; }
+inline Interval& operator-=(Interval& a, const Interval& b) { return a = a - b; }
+inline Interval& operator*=(Interval& a, const Interval& b) { return a = a * b; }
+
+// The whole line if `b` holds 0.
+Interval operator/(const Interval& a, const Interval& b);
+
+// The values common to two enclosures of the same number; undefined if one of them is.
+Interval intersection(const Interval& a, const Interval& b);
+// The smallest interval around both; undefined if one of them is.
+Interval hull(const Interval& a, const Interval& b);
+
+Interval min(const Interval& a, const Interval& b);
+Interval max(const Interval& a, const Interval& b);
+Interval abs(const Interval& a);
+Interval square(const Interval& a);
+Interval sqrt(const Interval& a);  // undefined if `a` holds negative numbers
+
+// The functions below rest on one assumption: the C library's exp, log, pow, sin, cos, tan and tanh are wrong
+// by at most 4 units in the last place (glibc documents at most 2 for each of them on x86-64 and aarch64).
+Interval exp(const Interval& a);
+Interval log(const Interval& a);  // undefined if `a` holds negative numbers
+Interval sin(const Interval& a);
+Interval cos(const Interval& a);
+Interval tan(const Interval& a);  // the whole line if a pole may lie in `a`
+Interval tanh(const Interval& a);
+Interval power(const Interval& base, int exponent);
+// Real exponents; undefined if `base` holds negative numbers.
+Interval power(const Interval& base, const Interval& exponent);
+
+Interval pi_interval();
+
+}  // namespace s2nnds
