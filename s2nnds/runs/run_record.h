@@ -1,0 +1,128 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "s2nnds/core/options.h"
+#include "s2nnds/core/points.h"
+#include "s2nnds/data/normalization.h"
+#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/problem/box.h"
+#include "s2nnds/verification/certificate.h"
+
+namespace s2nnds {
+
+// What a run leaves behind, one struct a group of its HDF5 file. n is the dimension; normalised units
+// throughout unless a field says otherwise.
+
+struct RunConfig {
+  std::string text;                                         // the TOML as the user gave it
+  std::string resolved;                                     // TOML of every option with its value
+  std::vector<std::pair<std::string, std::string>> values;  // the same by dotted key
+};
+
+struct RunData {
+  std::string unit;  // of length in the raw data; "" when unknown
+  std::int64_t dimension = 0;
+  Normalization normalization;  // position_scale in raw units, velocity_scale in raw units per second
+  Split split;
+  // Every demonstration, those of the test split included. Position and velocity normalised, but time as
+  // recorded, in seconds.
+  std::vector<Demonstration> demonstrations;
+
+  // The demonstrations with normalised time as well.
+  std::vector<Demonstration> normalized() const;
+};
+
+struct RunProblem {
+  std::string unsafe;  // Region::describe()
+  std::string initial;
+  double containment = 0.0;  // 0: off
+  double band = 0.0;         // eps_B
+  Box workspace;
+};
+
+// Figures of a motion's quality; NaN: not measured.
+struct EvaluationSummary {
+  double mse_train = std::numeric_limits<double>::quiet_NaN();
+  double mse_test = std::numeric_limits<double>::quiet_NaN();
+  double sd_train = std::numeric_limits<double>::quiet_NaN();
+  double sd_test = std::numeric_limits<double>::quiet_NaN();
+  double dtw_test = std::numeric_limits<double>::quiet_NaN();
+  double dtw_independent_test = std::numeric_limits<double>::quiet_NaN();
+  double safe_area = std::numeric_limits<double>::quiet_NaN();
+  double true_safe_area = std::numeric_limits<double>::quiet_NaN();
+  double safe_area_ratio = std::numeric_limits<double>::quiet_NaN();
+
+  void visit(FieldVisitor& v);
+};
+
+struct StoredRollout {
+  std::string start_kind;  // where it started: "test", "train" (a demonstration's first point), "grid"
+  std::string stop;        // to_string(StopReason)
+  Vector time;             // [M]
+  Points position;         // [M, n]
+};
+
+// Fields on a grid, for figures. Values at (axis_0[i], axis_1[j], ...), the last axis running fastest:
+// N = N0 N1 ... of them.
+struct Grid {
+  std::vector<Vector> axes;  // n axes of N0, N1, ... coordinates
+  Vector unsafe;             // [N] level of the unsafe set
+  Vector initial;            // [N] level of the initial set
+  Vector V;                  // [N]
+  Vector B;                  // [N]
+  Points velocity;           // [N, n] f
+};
+
+// What training needs to go on from where it stopped, beside the networks.
+struct Checkpoint {
+  std::int64_t round = 0;  // rounds done
+  bool finished = false;
+  std::vector<std::pair<std::string, Points>> points;   // [any, any] by name: pools, optimiser moments
+  std::vector<std::pair<std::string, double>> numbers;  // by a name other than round and finished
+};
+
+struct RunRecord {
+  std::string program_version;
+  std::string library_versions;
+  std::string created;  // ISO 8601; with the seconds in `history`, `certificate` and `timing` all that
+                        // depends on time
+  std::string name;
+  std::int64_t seed = 0;
+  RunConfig config;
+  RunData data;
+  RunProblem problem;
+  std::vector<std::pair<std::string, Vector>> history;  // one column [rounds] a name
+  Networks networks;
+  Certificate certificate;
+  EvaluationSummary evaluation;
+  std::vector<std::pair<std::string, double>> timing;  // seconds
+  std::vector<StoredRollout> rollouts;
+  std::optional<Grid> grid;
+  std::optional<Checkpoint> checkpoint;
+};
+
+inline constexpr std::int64_t run_schema_version = 1;
+
+std::string program_version();
+std::string
+library_versions();  // of those that this library links, PyTorch excepted: "HDF5 1.10.8, Eigen 3.4.0, ..."
+std::string time_stamp();  // now, UTC: "2024-05-31T12:00:00Z"
+
+// Throws Error naming the item whose shape, index or value does not fit: saving checks what loading checks.
+void check_record(const RunRecord& record);
+
+// Replaces the file at `path` by the record, or leaves the old one when it throws Error. Equal records give
+// equal bytes.
+void save_run(const std::string& path, const RunRecord& record);
+
+// Throws Error naming the file and the item: a missing or truncated file, another schema, wrong shapes,
+// weights that are not finite.
+RunRecord load_run(const std::string& path);
+
+}  // namespace s2nnds
