@@ -1,0 +1,172 @@
+#include "s2nnds/verification/branch_and_bound.h"
+
+#include <omp.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <numeric>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr Eigen::Index batch_boxes = 128;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct Level {
+  explicit Level(Points low, Points high)
+      : lower(std::move(low)),
+        upper(std::move(high)),
+        status(static_cast<std::size_t>(lower.rows()), BoxStatus::undecided),
+        witness(Points::Zero(lower.rows(), lower.cols())),
+        violation(Vector::Zero(lower.rows())) {}
+
+  Points lower, upper;
+  std::vector<BoxStatus> status;
+  Points witness;
+  Vector violation;
+};
+
+// Boxes that stay open, and the witnesses among them.
+class OpenBoxes {
+ public:
+  void add(const Level& level, Eigen::Index row, bool refuted) {
+    boxes_.push_back(
+        {level.lower.row(row), level.upper.row(row), level.witness.row(row), level.violation(row), refuted});
+    refuted_ += refuted;
+  }
+  std::int64_t refuted() const { return refuted_; }
+
+  void report(std::int64_t kept, BranchResult& result) {
+    const Eigen::Index n = result.open_lower.cols();
+    result.open_boxes = static_cast<std::int64_t>(boxes_.size());
+    for (const Open& box : boxes_) result.open_volume += (box.upper - box.lower).prod();
+    // Refuted ones first, the worst leading; of too many others an even selection.
+    std::stable_sort(boxes_.begin(), boxes_.end(), [](const Open& a, const Open& b) {
+      return a.refuted != b.refuted ? a.refuted : a.violation > b.violation;
+    });
+    const std::int64_t count = std::min(kept, result.open_boxes);
+    const std::int64_t certain = std::min(count, refuted_), rest = count - certain;
+    result.open_lower.resize(count, n);
+    result.open_upper.resize(count, n);
+    result.witnesses.resize(certain, n);
+    for (std::int64_t i = 0; i < count; ++i) {
+      const std::int64_t at =
+          i < certain ? i : refuted_ + (i - certain) * (result.open_boxes - refuted_) / rest;
+      result.open_lower.row(i) = boxes_[at].lower;
+      result.open_upper.row(i) = boxes_[at].upper;
+      if (i < certain) result.witnesses.row(i) = boxes_[at].witness;
+    }
+    if (certain > 0) result.worst = boxes_.front().violation;
+  }
+
+ private:
+  struct Open {
+    Eigen::RowVectorXd lower, upper, witness;
+    double violation;
+    bool refuted;
+  };
+  std::vector<Open> boxes_;
+  std::int64_t refuted_ = 0;
+};
+
+// Examines all boxes of the level; what the time limit leaves out stays undecided. Returns how many were
+// examined.
+std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& examiners,
+                     double seconds_left) {
+  const Clock::time_point start = Clock::now();
+  const Eigen::Index count = level.lower.rows(), batches = (count + batch_boxes - 1) / batch_boxes;
+  std::atomic<std::int64_t> examined = 0;
+  std::atomic<bool> stop = false;
+  std::exception_ptr error;
+#pragma omp parallel for schedule(dynamic) num_threads(static_cast <int>(examiners.size()))
+  for (Eigen::Index b = 0; b < batches; ++b) {
+    if (stop) continue;
+    const Eigen::Index first = b * batch_boxes;
+    BoxBatch batch = {level.lower,  level.upper,   first,          std::min(batch_boxes, count - first),
+                      level.status, level.witness, level.violation};
+    try {
+      examiners[static_cast<std::size_t>(omp_get_thread_num())]->examine(batch);
+      examined += batch.count;
+    } catch (...) {
+#pragma omp critical
+      error = std::current_exception();
+      stop = true;
+    }
+    if (seconds_since(start) > seconds_left) stop = true;
+  }
+  if (error) std::rethrow_exception(error);
+  return examined;
+}
+
+// Both halves of the undecided boxes.
+Level bisect(const Level& level, const std::vector<Eigen::Index>& rows) {
+  const Eigen::Index n = level.lower.cols(), count = static_cast<Eigen::Index>(rows.size());
+  Points lower(2 * count, n), upper(2 * count, n);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index row = rows[static_cast<std::size_t>(i)];
+    Eigen::Index axis = 0;
+    (level.upper.row(row) - level.lower.row(row)).maxCoeff(&axis);
+    lower.middleRows(2 * i, 2).rowwise() = level.lower.row(row);
+    upper.middleRows(2 * i, 2).rowwise() = level.upper.row(row);
+    const double middle = 0.5 * level.lower(row, axis) + 0.5 * level.upper(row, axis);
+    upper(2 * i, axis) = middle;
+    lower(2 * i + 1, axis) = middle;
+  }
+  return Level(std::move(lower), std::move(upper));
+}
+
+}  // namespace
+
+BranchResult branch_and_bound(Points lower, Points upper,
+                              const std::function<std::unique_ptr<BoxExaminer>()>& examiner,
+                              const BranchLimits& limits,
+                              const std::function<void(const BranchProgress&)>& progress) {
+  check(
+      lower.rows() == upper.rows() && lower.cols() == upper.cols() && lower.allFinite() && upper.allFinite(),
+      "branch and bound: expected finite boxes with as many lower as upper corners");
+  const Clock::time_point start = Clock::now();
+  const int threads = limits.threads > 0 ? limits.threads : omp_get_max_threads();
+  std::vector<std::unique_ptr<BoxExaminer>> examiners;
+  for (int t = 0; t < threads; ++t) examiners.push_back(examiner());
+
+  BranchResult result;
+  result.open_lower.resize(0, lower.cols());
+  result.open_upper.resize(0, lower.cols());
+  OpenBoxes open;
+  Level level(std::move(lower), std::move(upper));
+  for (std::int64_t depth = 0; level.lower.rows() > 0; ++depth) {
+    const double left = limits.max_seconds - seconds_since(start);
+    const bool stop = depth > limits.max_depth || result.boxes + level.lower.rows() > limits.max_boxes ||
+                      open.refuted() >= limits.max_refuted || !(left > 0.0);
+    if (!stop) result.boxes += examine(level, examiners, left);
+    std::vector<Eigen::Index> undecided;
+    for (Eigen::Index row = 0; row < level.lower.rows(); ++row) {
+      const BoxStatus status = level.status[static_cast<std::size_t>(row)];
+      if (status == BoxStatus::undecided && !stop) undecided.push_back(row);
+      if (status == BoxStatus::refuted || status == BoxStatus::abandoned ||
+          (status == BoxStatus::undecided && stop)) {
+        open.add(level, row, status == BoxStatus::refuted);
+      }
+    }
+    if (progress) {
+      progress({result.boxes, static_cast<std::int64_t>(undecided.size()), open.refuted(), depth,
+                seconds_since(start)});
+    }
+    level = bisect(level, undecided);
+  }
+  open.report(limits.kept_boxes, result);
+  result.proved = result.open_boxes == 0;
+  result.seconds = seconds_since(start);
+  return result;
+}
+
+}  // namespace s2nnds

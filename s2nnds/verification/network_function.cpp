@@ -1,0 +1,365 @@
+#include "s2nnds/verification/network_function.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/networks/dense_kernels.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr double slack = 1.0 + 1e-13;
+
+// Relative rounding error of a sum of `terms` products, rounded up.
+double sum_rounding(Eigen::Index terms) { return 2.0 * (static_cast<double>(terms) + 4.0) * unit_roundoff; }
+
+double* data(std::vector<TileRow>& rows) { return rows.front().data(); }
+
+// y = (accumulate ? y : 0) + W x for rows of tiles: x [in, columns, T], y [out, columns, T].
+void multiply(const Points& weight, const std::vector<TileRow>& x, Eigen::Index columns, bool accumulate,
+              std::vector<TileRow>& y) {
+  const std::ptrdiff_t stride = columns * tile_boxes;
+  dense_kernels<double>().multiply(weight.rows(), stride, weight.cols(), weight.data(), weight.cols(), 1,
+                                   x.front().data(), stride, y.front().data(), stride, accumulate);
+}
+// x = W' y.
+void multiply_transposed(const Points& weight, const std::vector<TileRow>& y, Eigen::Index columns,
+                         std::vector<TileRow>& x) {
+  const std::ptrdiff_t stride = columns * tile_boxes;
+  dense_kernels<double>().multiply(weight.cols(), stride, weight.rows(), weight.data(), 1, weight.cols(),
+                                   y.front().data(), stride, x.front().data(), stride, false);
+}
+
+// 2 p q' symmetrised: the Hessian of 2 (p . dx)(q . dx), times `weight`.
+void add_product(const TileRow& weight, const TileRow* p, const TileRow* q, Eigen::Index n, TileForm& form) {
+  std::size_t at = 0;
+  for (Eigen::Index d = 0; d < n; ++d) {
+    for (Eigen::Index e = d; e < n; ++e) form.hessian[at++] += weight * (p[d] * q[e] + q[d] * p[e]);
+  }
+}
+
+}  // namespace
+
+struct NetworkFunction::Memory final : TaylorFunction::Workspace {
+  struct LayerMemory {
+    std::vector<TileRow> z, z_remainder, expansion;
+    TileRow magnitude_in[2];
+  };
+  std::vector<LayerMemory> layers;
+  std::vector<TileRow> a, a_remainder;        // outputs of the layer last swept
+  std::vector<TileRow> adjoint_a, adjoint_z;  // [width, streams]
+  std::vector<TileRow> offset_error;          // [m] of the head's subtraction
+  TileRow magnitude_out[2];
+  Eigen::Index streams = 1;
+};
+
+NetworkFunction::NetworkFunction(const LayerStack& stack) : stack_(stack) {
+  stack_.check();
+  for (const Layer& layer : stack_.layers) {
+    AffineMap map;
+    map.weight = layer.weight;
+    map.magnitude = layer.weight.cwiseAbs();
+    map.bias = layer.bias.size() > 0 ? layer.bias : Vector::Zero(layer.weight.rows());
+    const double rounding = sum_rounding(layer.weight.cols() + 1);
+    map.row_error = rounding * (map.magnitude.rowwise().sum() * (1.0 + rounding));
+    map.bias_error = rounding * map.bias.cwiseAbs();
+    map.remainder_growth = 1.0 + 2.0 * rounding;
+    map.adjoint_rounding = sum_rounding(layer.weight.rows());
+    operations_ += 8.0 * static_cast<double>(layer.weight.rows());
+    maps_.push_back(std::move(map));
+  }
+  operations_ += 8.0 * static_cast<double>(input_dimension());
+
+  const Eigen::Index m = maps_.back().weight.rows(), n = input_dimension();
+  offset_ = offset_error_ = Vector::Zero(m);
+  if (stack_.head == Head::plain) return;
+  BoxTile origin(n);
+  const std::unique_ptr<Workspace> scratch = workspace();
+  Memory& memory = static_cast<Memory&>(*scratch);
+  forward(origin, nullptr, memory);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    offset_(i) = memory.a[i * (1 + n)](0);
+    offset_error_(i) = memory.a_remainder[i](0) * slack;
+  }
+}
+
+std::unique_ptr<TaylorFunction::Workspace> NetworkFunction::workspace() const {
+  auto memory = std::make_unique<Memory>();
+  const std::size_t block = 2 * (1 + static_cast<std::size_t>(input_dimension()));
+  std::size_t widest = static_cast<std::size_t>(input_dimension());
+  for (const AffineMap& map : maps_) {
+    const std::size_t width = static_cast<std::size_t>(map.weight.rows());
+    widest = std::max(widest, width);
+    Memory::LayerMemory layer;
+    layer.z.resize(width * block);
+    layer.z_remainder.resize(width * 2);
+    layer.expansion.resize(width * 5);
+    memory->layers.push_back(std::move(layer));
+  }
+  memory->a.resize(widest * block);
+  memory->a_remainder.resize(widest * 2);
+  memory->adjoint_a.resize(widest * 2);
+  memory->adjoint_z.resize(widest * 2);
+  memory->offset_error.resize(static_cast<std::size_t>(maps_.back().weight.rows()));
+  return memory;
+}
+
+LayerTile NetworkFunction::layer_tile(const BoxTile& tile, std::size_t k, Memory& memory) const {
+  Memory::LayerMemory& layer = memory.layers[k];
+  LayerTile result;
+  result.width = maps_[k].weight.rows();
+  result.dimension = input_dimension();
+  result.streams = memory.streams;
+  result.activation = stack_.layers[k].activation;
+  result.half = tile.half.front().data();
+  result.row_error = maps_[k].row_error.data();
+  result.bias_error = maps_[k].bias_error.data();
+  result.remainder_growth = maps_[k].remainder_growth;
+  result.adjoint_rounding = maps_[k].adjoint_rounding;
+  result.magnitude_in = layer.magnitude_in[0].data();
+  result.magnitude_out = memory.magnitude_out[0].data();
+  result.z = data(layer.z);
+  result.z_remainder = data(layer.z_remainder);
+  result.a = data(memory.a);
+  result.a_remainder = data(memory.a_remainder);
+  result.expansion = data(layer.expansion);
+  return result;
+}
+
+void NetworkFunction::forward(const BoxTile& tile, const TileModels* direction, Memory& memory) const {
+  const Eigen::Index n = input_dimension(), streams = direction != nullptr ? 2 : 1, block = streams * (1 + n);
+  memory.streams = streams;
+  memory.magnitude_out[0].setZero();
+  memory.magnitude_out[1].setZero();
+  for (Eigen::Index d = 0; d < n; ++d) {  // x is its own model, without remainder
+    TileRow* row = &memory.a[d * block];
+    std::fill(row, row + block, TileRow());
+    row[0] = tile.center[d];
+    row[1 + d].setOnes();
+    memory.a_remainder[d * streams].setZero();
+    memory.magnitude_out[0] = memory.magnitude_out[0].max((tile.center[d].abs() + tile.half[d]) * slack);
+    if (direction == nullptr) continue;
+    std::copy(&direction->value(d), &direction->value(d) + 1 + n, row + 1 + n);
+    memory.a_remainder[d * streams + 1] = direction->remainder[d];
+    memory.magnitude_out[1] =
+        memory.magnitude_out[1].max((direction->value(d).abs() + direction->spread(d, tile)) * slack);
+  }
+  for (std::size_t k = 0; k < maps_.size(); ++k) {
+    Memory::LayerMemory& layer = memory.layers[k];
+    layer.magnitude_in[0] = memory.magnitude_out[0];
+    layer.magnitude_in[1] = memory.magnitude_out[1];
+    const Eigen::Index width = maps_[k].weight.rows();
+    std::fill(layer.z.begin(), layer.z.begin() + width * block, TileRow());
+    for (Eigen::Index i = 0; i < width; ++i) layer.z[i * block].setConstant(maps_[k].bias(i));
+    multiply(maps_[k].weight, memory.a, block, true, layer.z);
+    multiply(maps_[k].magnitude, memory.a_remainder, streams, false, layer.z_remainder);
+    taylor_kernels().activate(layer_tile(tile, k, memory));
+  }
+}
+
+void NetworkFunction::backward(const BoxTile& tile, Memory& memory, std::vector<TileRow>* direction,
+                               TileForm& q) const {
+  for (std::size_t k = maps_.size(); k-- > 0;) {
+    const PullBackTile sweep = {.adjoint_a = data(memory.adjoint_a),
+                                .adjoint_z = data(memory.adjoint_z),
+                                .hessian = data(q.hessian),
+                                .hessian_magnitude = q.magnitude.data(),
+                                .remainder = q.remainder.data()};
+    taylor_kernels().pull_back(layer_tile(tile, k, memory), sweep);
+    if (k > 0 || direction != nullptr) {
+      multiply_transposed(maps_[k].weight, memory.adjoint_z, memory.streams, memory.adjoint_a);
+    }
+  }
+  q.operations += operations_;
+  if (direction == nullptr) return;
+  for (Eigen::Index d = 0; d < input_dimension(); ++d) (*direction)[d] += memory.adjoint_a[2 * d + 1];
+}
+
+// N(x) - N(0) in the value stream; the error of the subtraction, N(0)'s included, goes to offset_error.
+void NetworkFunction::subtract_offset(Memory& memory) const {
+  const Eigen::Index block = memory.streams * (1 + input_dimension());
+  for (Eigen::Index i = 0; i < maps_.back().weight.rows(); ++i) {
+    TileRow& value = memory.a[i * block];
+    const double rounding = stack_.head == Head::plain ? 0.0 : 4.0 * unit_roundoff;
+    memory.offset_error[i] = offset_error_(i) + rounding * (value.abs() + std::abs(offset_(i)));
+    if (stack_.head != Head::plain) value -= offset_(i);
+    memory.a_remainder[i * memory.streams] += memory.offset_error[i];
+  }
+}
+
+void NetworkFunction::models(const BoxTile& tile, Workspace& workspace, TileModels& y) const {
+  check(stack_.head != Head::squared_norm, "network function: a squared norm has no models of its own");
+  Memory& memory = static_cast<Memory&>(workspace);
+  forward(tile, nullptr, memory);
+  subtract_offset(memory);
+  std::copy_n(memory.a.begin(), y.models.size(), y.models.begin());
+  for (std::size_t i = 0; i < y.remainder.size(); ++i) y.remainder[i] = memory.a_remainder[i] * slack;
+}
+
+void NetworkFunction::add_deviations(const BoxTile& tile, Workspace& workspace,
+                                     const std::vector<TileRow>& adjoint, TileForm& q) const {
+  Memory& memory = static_cast<Memory&>(workspace);
+  for (std::size_t i = 0; i < adjoint.size(); ++i) {
+    memory.adjoint_a[i] = adjoint[i];
+    q.remainder += adjoint[i].abs() * memory.offset_error[i];
+  }
+  backward(tile, memory, nullptr, q);
+}
+
+void NetworkFunction::add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const {
+  Memory& memory = static_cast<Memory&>(workspace);
+  forward(tile, nullptr, memory);
+  subtract_offset(memory);
+  if (stack_.head == Head::squared_norm) return add_norm(tile, memory, q);
+  q.value += memory.a[0];
+  q.magnitude += memory.a[0].abs();
+  for (Eigen::Index d = 0; d < input_dimension(); ++d) {
+    q.gradient[d] += memory.a[1 + d];
+    q.magnitude += memory.a[1 + d].abs() * tile.half[d];
+  }
+  q.remainder += memory.offset_error[0];
+  memory.adjoint_a[0].setOnes();
+  backward(tile, memory, nullptr, q);
+}
+
+// |u|^2 + quadratic |x|^2, u = u0 + slope . dx + du: 2 u0 du is left to the backward sweep.
+void NetworkFunction::add_norm(const BoxTile& tile, Memory& memory, TileForm& q) const {
+  const Eigen::Index n = input_dimension();
+  for (Eigen::Index i = 0; i < maps_.back().weight.rows(); ++i) {
+    const TileRow* slope = &memory.a[i * (1 + n) + 1];
+    const TileRow u = memory.a[i * (1 + n)], r = memory.a_remainder[i];
+    TileRow spread;
+    for (Eigen::Index d = 0; d < n; ++d) {
+      q.gradient[d] += 2.0 * u * slope[d];
+      spread += slope[d].abs() * tile.half[d];
+    }
+    q.value += u.square();
+    q.magnitude += (u.abs() + spread).square();
+    add_product(TileRow(TileRow::Ones()), slope, slope, n, q);
+    q.remainder += r * (2.0 * spread + r) + 2.0 * u.abs() * memory.offset_error[i];
+    memory.adjoint_a[i] = 2.0 * u;
+  }
+  std::size_t at = 0;
+  for (Eigen::Index d = 0; d < n; ++d) {
+    q.value += stack_.quadratic * tile.center[d].square();
+    q.gradient[d] += 2.0 * stack_.quadratic * tile.center[d];
+    q.hessian[at] += 2.0 * stack_.quadratic;
+    q.magnitude += stack_.quadratic * (tile.center[d].abs() + tile.half[d]).square();
+    at += static_cast<std::size_t>(n - d);
+  }
+  backward(tile, memory, nullptr, q);
+}
+
+void NetworkFunction::add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
+                                     std::vector<TileRow>& adjoint, TileForm& q) const {
+  const Eigen::Index n = input_dimension();
+  Memory& memory = static_cast<Memory&>(workspace);
+  for (TileRow& row : adjoint) row.setZero();
+  forward(tile, &direction, memory);
+  subtract_offset(memory);
+  if (stack_.head == Head::squared_norm) return add_norm_rate(tile, direction, memory, adjoint, q);
+  const TileRow* rate = &memory.a[1 + n];
+  q.value += rate[0];
+  q.magnitude += rate[0].abs();
+  for (Eigen::Index d = 0; d < n; ++d) {
+    q.gradient[d] += rate[1 + d];
+    q.magnitude += rate[1 + d].abs() * tile.half[d];
+  }
+  memory.adjoint_a[0].setZero();
+  memory.adjoint_a[1].setOnes();
+  backward(tile, memory, &adjoint, q);
+}
+
+// 2 u . du/dt + 2 quadratic x . direction.
+void NetworkFunction::add_norm_rate(const BoxTile& tile, const TileModels& direction, Memory& memory,
+                                    std::vector<TileRow>& adjoint, TileForm& q) const {
+  const Eigen::Index n = input_dimension(), block = 2 * (1 + n);
+  const double weight = 2.0 * stack_.quadratic;
+  for (Eigen::Index i = 0; i < maps_.back().weight.rows(); ++i) {
+    const TileRow *slope = &memory.a[i * block + 1], *rate_slope = slope + 1 + n;
+    const TileRow u = memory.a[i * block], rate = memory.a[i * block + 1 + n];
+    const TileRow r = memory.a_remainder[2 * i], rate_r = memory.a_remainder[2 * i + 1];
+    TileRow spread, rate_spread;
+    for (Eigen::Index d = 0; d < n; ++d) {
+      q.gradient[d] += 2.0 * (u * rate_slope[d] + rate * slope[d]);
+      spread += slope[d].abs() * tile.half[d];
+      rate_spread += rate_slope[d].abs() * tile.half[d];
+    }
+    q.value += 2.0 * u * rate;
+    q.magnitude += 2.0 * (u.abs() + spread) * (rate.abs() + rate_spread);
+    add_product(TileRow(TileRow::Constant(2.0)), slope, rate_slope, n, q);
+    q.remainder += 2.0 * (spread * rate_r + r * (rate_spread + rate_r) + rate.abs() * memory.offset_error[i]);
+    memory.adjoint_a[2 * i] = 2.0 * rate;
+    memory.adjoint_a[2 * i + 1] = 2.0 * u;
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const TileRow &x = tile.center[i], &h = tile.half[i], &f = direction.value(i),
+                  &r = direction.remainder[i];
+    const TileRow spread = direction.spread(i, tile);
+    q.value += weight * x * f;
+    q.magnitude += weight * (x.abs() + h) * (f.abs() + spread);
+    q.gradient[i] += weight * f;
+    std::size_t at = 0;
+    for (Eigen::Index d = 0; d < n; ++d) {
+      q.gradient[d] += weight * x * direction.slope(i)[d];
+      for (Eigen::Index e = d; e < n; ++e, ++at) {
+        if (d == i) q.hessian[at] += weight * direction.slope(i)[e];
+        if (e == i) q.hessian[at] += weight * direction.slope(i)[d];
+      }
+    }
+    q.remainder += weight * (h + 8.0 * unit_roundoff * x.abs()) * r;
+    adjoint[i] += weight * x;
+  }
+  backward(tile, memory, &adjoint, q);
+}
+
+IntervalMatrix NetworkFunction::jacobian(double half) const {
+  const Eigen::Index n = input_dimension(), m = maps_.back().weight.rows(), block = 2 * (1 + n);
+  BoxTile cube(n);
+  for (TileRow& row : cube.half) row.setConstant(half);
+  const std::unique_ptr<Workspace> scratch = workspace();
+  Memory& memory = static_cast<Memory&>(*scratch);
+  IntervalMatrix result(m, n);
+  for (Eigen::Index axis = 0; axis < n; ++axis) {
+    TileModels direction(n, n);
+    direction.value(axis).setOnes();
+    forward(cube, &direction, memory);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const TileRow* rate = &memory.a[i * block + 1 + n];
+      double radius = memory.a_remainder[2 * i + 1](0);
+      for (Eigen::Index d = 0; d < n; ++d) radius += std::abs(rate[1 + d](0)) * half;
+      result(i, axis) = Interval(rate[0](0)) + radius * slack * Interval(-1.0, 1.0);
+    }
+  }
+  return result;
+}
+
+bool NetworkFunction::vanishes_at_zero() const {
+  if (stack_.head != Head::plain) return true;
+  return std::all_of(stack_.layers.begin(), stack_.layers.end(), [](const Layer& layer) {
+    return (layer.bias.array() == 0.0).all() && layer.activation != Activation::softplus;
+  });
+}
+
+// Along the ray from 0 to x: N(x) - N(0) = (integral of the Jacobian) x, and the integral lies in the convex
+// hull.
+std::optional<IntervalMatrix> NetworkFunction::goal_factor(double half) const {
+  if (stack_.head == Head::squared_norm || !vanishes_at_zero()) return std::nullopt;
+  return jacobian(half);
+}
+
+std::optional<IntervalMatrix> NetworkFunction::goal_gradient_factor(double half) const {
+  if (stack_.head != Head::squared_norm) return std::nullopt;
+  // grad |N(x) - N(0)|^2 = 2 J(x)' P(x) x, both J and P in the Jacobian over the cube.
+  const IntervalMatrix j = jacobian(half);
+  IntervalMatrix factor = j.transposed() * j;
+  for (Eigen::Index d = 0; d < factor.rows(); ++d) factor(d, d) += stack_.quadratic;
+  return 2.0 * factor;
+}
+
+bool NetworkFunction::is_positive_by_construction() const {
+  return stack_.head == Head::squared_norm && stack_.quadratic > 0.0;
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/verification/taylor_model.h"
+
+namespace s2nnds {
+
+// A layer stack as the prover sees it. Rounding errors are bounded a priori, for any order of summation and
+// with or without fused operations: a computed sum of k products is within 2 (k + 4) u sum |products| of the
+// exact one, u = 2^-53. The stack is copied; it is checked (throws Error).
+class NetworkFunction final : public TaylorFunction {
+ public:
+  explicit NetworkFunction(const LayerStack& stack);
+
+  Eigen::Index input_dimension() const override { return stack_.input_dimension(); }
+  Eigen::Index output_dimension() const override { return stack_.output_dimension(); }
+  std::unique_ptr<Workspace> workspace() const override;
+  void models(const BoxTile& tile, Workspace& workspace, TileModels& y) const override;
+  void add_deviations(const BoxTile& tile, Workspace& workspace, const std::vector<TileRow>& adjoint,
+                      TileForm& q) const override;
+  void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const override;
+  void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
+                      std::vector<TileRow>& adjoint, TileForm& q) const override;
+  std::optional<IntervalMatrix> goal_factor(double half) const override;
+  std::optional<IntervalMatrix> goal_gradient_factor(double half) const override;
+  bool is_positive_by_construction() const override;
+
+ private:
+  struct Memory;
+  struct AffineMap {
+    Points weight, magnitude;      // W and |W| [out, in]
+    Vector bias;                   // [out]
+    Vector row_error, bias_error;  // [out]
+    double remainder_growth = 1.0, adjoint_rounding = 0.0;
+  };
+
+  void forward(const BoxTile& tile, const TileModels* direction, Memory& memory) const;
+  // From the outputs' adjoints in memory down to the inputs; those of the second stream are left in
+  // `direction`.
+  void backward(const BoxTile& tile, Memory& memory, std::vector<TileRow>* direction, TileForm& q) const;
+  LayerTile layer_tile(const BoxTile& tile, std::size_t k, Memory& memory) const;
+  // The Jacobian of the layers' output N over the cube, [m, n].
+  IntervalMatrix jacobian(double half) const;
+  bool vanishes_at_zero() const;
+  void subtract_offset(Memory& memory) const;
+  void add_norm(const BoxTile& tile, Memory& memory, TileForm& q) const;
+  void add_norm_rate(const BoxTile& tile, const TileModels& direction, Memory& memory,
+                     std::vector<TileRow>& adjoint, TileForm& q) const;
+
+  LayerStack stack_;
+  std::vector<AffineMap> maps_;
+  Vector offset_, offset_error_;  // N(0) and its rounding error; 0 for the plain head
+  double operations_ = 0.0;
+};
+
+}  // namespace s2nnds

@@ -1,0 +1,395 @@
+#include "s2nnds/verification/prover.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/verification/goal_neighbourhood.h"
+#include "s2nnds/verification/network_function.h"
+
+namespace s2nnds {
+namespace {
+
+// Where no neighbourhood of the goal is proved, boxes this close to it are left open.
+constexpr double hopeless_radius = 1e-8;
+
+struct Statement {
+  Condition condition;
+  const ProofFunctions& functions;
+  const SafetyProblem& problem;
+  double band;
+  double goal_cube;  // proved already for 0 < |x|_inf <= goal_cube
+};
+
+Box box_of(const Points& lower, const Points& upper, Eigen::Index row) {
+  return {lower.row(row).transpose(), upper.row(row).transpose()};
+}
+
+bool lies_on_face(const Box& box, const Box& workspace) {
+  const auto fixed = box.lower.array() == box.upper.array();
+  return (fixed &&
+          (box.lower.array() == workspace.lower.array() || box.upper.array() == workspace.upper.array()))
+      .any();
+}
+
+class ConditionExaminer final : public BoxExaminer {
+ public:
+  explicit ConditionExaminer(const Statement& statement)
+      : statement_(statement),
+        negated_(statement.condition == Condition::lyapunov_positive ||
+                 statement.condition == Condition::unsafe || statement.condition == Condition::containment),
+        along_field_(statement.condition == Condition::lyapunov_decrease ||
+                     statement.condition == Condition::barrier_decrease),
+        enclosure_(is_lyapunov() ? *statement.functions.V : *statement.functions.B,
+                   along_field_ ? statement.functions.f.get() : nullptr),
+        tile_(statement.problem.dimension()) {}
+
+  void examine(BoxBatch& batch) override {
+    std::vector<Eigen::Index> rows = where_it_applies(batch);
+    if (statement_.condition == Condition::barrier_decrease) rows = within_band(batch, rows);
+    std::vector<Candidate> candidates;
+    for_tiles(batch, rows, [&](const std::vector<Eigen::Index>& tile_rows) {
+      const TileForm& form = evaluate();
+      const TileRow worst = upper_residual(form);
+      for (std::size_t lane = 0; lane < tile_rows.size(); ++lane) {
+        const Eigen::Index row = tile_rows[lane];
+        if (holds(worst(static_cast<Eigen::Index>(lane)))) {
+          batch.status[row] = BoxStatus::proved;
+        } else {
+          consider(batch, row, form, static_cast<Eigen::Index>(lane), candidates);
+        }
+      }
+    });
+    refute(batch, candidates);
+  }
+
+ private:
+  struct Candidate {
+    Eigen::Index row;
+    Vector point;
+  };
+
+  bool is_lyapunov() const {
+    return statement_.condition == Condition::lyapunov_positive ||
+           statement_.condition == Condition::lyapunov_decrease;
+  }
+  // For the largest residual of a box. NaN does not hold.
+  bool holds(double residual) const {
+    return allows_zero(statement_.condition) ? residual <= 0.0 : residual < 0.0;
+  }
+
+  const TileForm& evaluate() {
+    return along_field_ ? enclosure_.lie_derivative(tile_) : enclosure_.value(tile_);
+  }
+  TileRow upper_residual(const TileForm& form) const {
+    return negated_ ? TileRow(-form.lower(tile_)) : form.upper(tile_);
+  }
+  TileRow lower_residual(const TileForm& form) const {
+    return negated_ ? TileRow(-form.upper(tile_)) : form.lower(tile_);
+  }
+
+  Location location(const Box& box) const {
+    const SafetyProblem& problem = statement_.problem;
+    switch (statement_.condition) {
+      case Condition::lyapunov_positive:
+      case Condition::lyapunov_decrease: {
+        const double reach = std::max(box.lower.cwiseAbs().maxCoeff(), box.upper.cwiseAbs().maxCoeff());
+        if (reach <= statement_.goal_cube) return Location::outside;
+        return box.contains(Vector::Zero(box.dimension())) ? Location::unknown : Location::inside;
+      }
+      case Condition::initial:
+        return problem.initial->classify(box);
+      case Condition::unsafe:
+        return problem.unsafe->classify(box);
+      case Condition::containment:
+        if (lies_on_face(box, problem.workspace)) return Location::inside;
+        return problem.shell ? problem.shell->classify(box) : Location::outside;
+      case Condition::barrier_decrease:
+        return Location::inside;
+    }
+    return Location::unknown;
+  }
+
+  // The rows that are still to be decided; the others hold.
+  std::vector<Eigen::Index> where_it_applies(BoxBatch& batch) const {
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index row = batch.first; row < batch.first + batch.count; ++row) {
+      const Box box = box_of(batch.lower, batch.upper, row);
+      if (location(box) == Location::outside) {
+        batch.status[row] = BoxStatus::proved;
+      } else if (is_lyapunov() && box.lower.cwiseAbs().maxCoeff() <= hopeless_radius &&
+                 box.upper.cwiseAbs().maxCoeff() <= hopeless_radius) {
+        batch.status[row] = BoxStatus::abandoned;
+      } else {
+        rows.push_back(row);
+      }
+    }
+    return rows;
+  }
+
+  std::vector<Eigen::Index> within_band(BoxBatch& batch, const std::vector<Eigen::Index>& rows) {
+    std::vector<Eigen::Index> kept;
+    for_tiles(batch, rows, [&](const std::vector<Eigen::Index>& tile_rows) {
+      const TileForm& barrier = enclosure_.value(tile_);
+      const TileRow low = barrier.lower(tile_), high = barrier.upper(tile_);
+      for (std::size_t lane = 0; lane < tile_rows.size(); ++lane) {
+        const auto at = static_cast<Eigen::Index>(lane);
+        if (low(at) > statement_.band || high(at) < -statement_.band) {
+          batch.status[tile_rows[lane]] = BoxStatus::proved;
+        } else {
+          kept.push_back(tile_rows[lane]);
+        }
+      }
+    });
+    return kept;
+  }
+
+  // Puts the rows into tiles and calls back for each one.
+  template <typename Visit>
+  void for_tiles(const BoxBatch& batch, const std::vector<Eigen::Index>& rows, const Visit& visit) {
+    for (std::size_t first = 0; first < rows.size(); first += tile_boxes) {
+      const std::size_t last = std::min(rows.size(), first + static_cast<std::size_t>(tile_boxes));
+      const std::vector<Eigen::Index> tile_rows(rows.begin() + first, rows.begin() + last);
+      Points lower(tile_rows.size(), tile_.dimension()), upper = lower;
+      for (std::size_t lane = 0; lane < tile_rows.size(); ++lane) {
+        lower.row(lane) = batch.lower.row(tile_rows[lane]);
+        upper.row(lane) = batch.upper.row(tile_rows[lane]);
+      }
+      tile_.assign(lower, upper, 0, lower.rows());
+      visit(tile_rows);
+    }
+  }
+
+  // Remembers a point of the box that probably violates the condition.
+  void consider(const BoxBatch& batch, Eigen::Index row, const TileForm& form, Eigen::Index lane,
+                std::vector<Candidate>& candidates) const {
+    const double sign = negated_ ? -1.0 : 1.0;
+    Vector point(tile_.dimension());
+    for (Eigen::Index d = 0; d < point.size(); ++d) point(d) = tile_.center[d](lane);
+    if (!(sign * form.value(lane) > 0.0)) {
+      point = form.extreme_point(tile_, lane, sign);
+      if (!(sign * form.polynomial(tile_, lane, point) > form.remainder(lane))) return;
+    }
+    point = point.cwiseMax(batch.lower.row(row).transpose()).cwiseMin(batch.upper.row(row).transpose());
+    candidates.push_back({row, std::move(point)});
+  }
+
+  // Evaluates the candidates rigorously, as boxes without extent.
+  void refute(BoxBatch& batch, const std::vector<Candidate>& candidates) {
+    for (std::size_t first = 0; first < candidates.size(); first += tile_boxes) {
+      const std::size_t count = std::min(candidates.size() - first, static_cast<std::size_t>(tile_boxes));
+      Points points(count, tile_.dimension());
+      for (std::size_t i = 0; i < count; ++i) points.row(i) = candidates[first + i].point.transpose();
+      tile_.assign(points, points, 0, points.rows());
+      TileRow size;
+      if (statement_.condition == Condition::barrier_decrease) {
+        const TileForm& barrier = enclosure_.value(tile_);
+        size = barrier.upper(tile_).max(-barrier.lower(tile_));
+      }
+      const TileRow violation = lower_residual(evaluate());
+      for (std::size_t i = 0; i < count; ++i) {
+        const Candidate& candidate = candidates[first + i];
+        const auto lane = static_cast<Eigen::Index>(i);
+        const bool violated =
+            allows_zero(statement_.condition) ? violation(lane) > 0.0 : violation(lane) >= 0.0;
+        if (!violated || !(size(lane) <= statement_.band) ||
+            location({candidate.point, candidate.point}) != Location::inside) {
+          continue;
+        }
+        batch.status[candidate.row] = BoxStatus::refuted;
+        batch.witness.row(candidate.row) = candidate.point.transpose();
+        batch.violation(candidate.row) = violation(lane);
+      }
+    }
+  }
+
+  Statement statement_;
+  bool negated_, along_field_;
+  ScalarEnclosure enclosure_;
+  BoxTile tile_;
+};
+
+// The workspace, and for containment its faces.
+void starting_boxes(const Statement& statement, Points& lower, Points& upper) {
+  const Box& workspace = statement.problem.workspace;
+  const Eigen::Index n = workspace.dimension();
+  const bool faces = statement.condition == Condition::containment;
+  lower = workspace.lower.transpose().replicate(faces ? 1 + 2 * n : 1, 1);
+  upper = workspace.upper.transpose().replicate(faces ? 1 + 2 * n : 1, 1);
+  for (Eigen::Index d = 0; faces && d < n; ++d) {
+    upper(1 + 2 * d, d) = workspace.lower(d);
+    lower(2 + 2 * d, d) = workspace.upper(d);
+  }
+}
+
+bool is_goal_safe(const ProofFunctions& functions) {
+  BoxTile origin(functions.B->input_dimension());
+  ScalarEnclosure barrier(*functions.B, nullptr);
+  return barrier.value(origin).upper(origin)(0) <= 0.0;
+}
+
+// X0 has no point beyond any face of the workspace.
+bool is_initial_in_workspace(const SafetyProblem& problem) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const Eigen::Index n = problem.dimension();
+  for (Eigen::Index d = 0; d < n; ++d) {
+    Box above = {Vector::Constant(n, -infinity), Vector::Constant(n, infinity)}, below = above;
+    above.lower(d) = next_up(problem.workspace.upper(d));
+    below.upper(d) = next_down(problem.workspace.lower(d));
+    if (problem.initial->classify(above) != Location::outside) return false;
+    if (problem.initial->classify(below) != Location::outside) return false;
+  }
+  return true;
+}
+
+ConditionProof prove_condition(const Statement& statement, const BranchLimits& limits,
+                               const ProofProgress& progress) {
+  Points lower, upper;
+  starting_boxes(statement, lower, upper);
+  const BranchResult found = branch_and_bound(
+      std::move(lower), std::move(upper), [&] { return std::make_unique<ConditionExaminer>(statement); },
+      limits,
+      [&](const BranchProgress& state) {
+        if (progress) progress(statement.condition, state);
+      });
+  ConditionProof proof;
+  proof.condition = statement.condition;
+  proof.open_lower = found.open_lower;
+  proof.open_upper = found.open_upper;
+  proof.witnesses = found.witnesses;
+  proof.verdict.verdict = found.proved ? "proved" : (found.witnesses.rows() > 0 ? "refuted" : "undecided");
+  proof.verdict.boxes = found.boxes;
+  proof.verdict.open_boxes = found.open_boxes;
+  proof.verdict.open_volume = found.open_volume;
+  proof.verdict.worst = found.worst;
+  if (found.witnesses.rows() > 0) {
+    proof.verdict.witness.assign(found.witnesses.data(), found.witnesses.data() + found.witnesses.cols());
+  }
+  return proof;
+}
+
+void check_dimensions(const ProofFunctions& functions, const SafetyProblem& problem) {
+  check(functions.f && functions.V && functions.B, "proof: expected f, V and B");
+  check(problem.initial && problem.unsafe, "proof: expected an initial and an unsafe set");
+  const Eigen::Index n = problem.dimension();
+  check(problem.workspace.is_finite() && !problem.workspace.is_empty(),
+        "proof: expected a bounded workspace");
+  for (const TaylorFunction* function : {functions.f.get(), functions.V.get(), functions.B.get()}) {
+    check(function->input_dimension() == n, "proof: found a function of {} variables, expected {}",
+          function->input_dimension(), n);
+  }
+  check(functions.f->output_dimension() == n, "proof: f has {} outputs, expected {}",
+        functions.f->output_dimension(), n);
+}
+
+Guarantee guarantee_of(const ProofResult& result, const SafetyProblem& problem) {
+  const bool contained = result[Condition::containment].is_proved();
+  for (const ConditionProof& proof : result.conditions) {
+    if (proof.condition != Condition::containment && !proof.is_proved()) return Guarantee::none;
+  }
+  if (!contained && problem.shell) return Guarantee::none;
+  return contained && result.goal_is_safe && result.initial_in_workspace ? Guarantee::invariant
+                                                                         : Guarantee::proved;
+}
+
+}  // namespace
+
+ProofOptions ProofOptions::fail_fast() {
+  ProofOptions options;
+  options.max_boxes = 200000;
+  options.max_refuted = 1000;
+  options.kept_boxes = 2000;
+  return options;
+}
+
+void ProofOptions::visit(FieldVisitor& v) {
+  v.field("max_boxes", max_boxes, at_least(1));
+  v.field("max_refuted", max_refuted, at_least(1));
+  v.field("kept_boxes", kept_boxes, at_least(0));
+  v.field("max_seconds", max_seconds, above(0.0));
+  v.field("threads", threads, between(0, 4096));
+  v.field("goal_radius", goal_radius, above(0.0));
+}
+
+ProofFunctions ProofFunctions::of(const Networks& networks) {
+  return {std::make_shared<NetworkFunction>(networks.f), std::make_shared<NetworkFunction>(networks.V),
+          std::make_shared<NetworkFunction>(networks.B)};
+}
+
+Points ConditionProof::samples(std::size_t count, RandomStream& random) const {
+  if (open_lower.rows() == 0) return Points(0, open_lower.cols());
+  Points points(count, open_lower.cols());
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (i < witnesses.rows()) {
+      points.row(i) = witnesses.row(i);
+      continue;
+    }
+    const auto box = static_cast<Eigen::Index>(random.below(static_cast<std::size_t>(open_lower.rows())));
+    for (Eigen::Index d = 0; d < points.cols(); ++d) {
+      points(i, d) = random.uniform(open_lower(box, d), open_upper(box, d));
+    }
+  }
+  return points;
+}
+
+const ConditionProof& ProofResult::operator[](Condition condition) const {
+  const auto found = std::find_if(conditions.begin(), conditions.end(),
+                                  [&](const ConditionProof& proof) { return proof.condition == condition; });
+  check(found != conditions.end(), "proof: found no verdict on {}", to_string(condition));
+  return *found;
+}
+
+ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double band,
+                  const ProofOptions& options, const ProofProgress& progress) {
+  validate(options);
+  check_dimensions(functions, problem);
+  check(band >= 0.0, "proof: band is {}, expected >= 0", band);
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  const auto seconds = [](Clock::time_point since) {
+    return std::chrono::duration<double>(Clock::now() - since).count();
+  };
+
+  ProofResult result;
+  result.goal_cube = decreasing_cube(*functions.f, *functions.V, options.goal_radius);
+  for (Condition condition : all_conditions) {
+    const Clock::time_point condition_start = Clock::now();
+    Statement statement = {condition, functions, problem, band, 0.0};
+    ConditionProof proof;
+    if (condition == Condition::lyapunov_positive && functions.V->is_positive_by_construction()) {
+      proof.condition = condition;
+      proof.verdict.verdict = "proved";
+      proof.open_lower = proof.open_upper = proof.witnesses = Points(0, problem.dimension());
+    } else {
+      if (condition == Condition::lyapunov_positive) {
+        statement.goal_cube = positive_cube(*functions.V, options.goal_radius);
+      }
+      if (condition == Condition::lyapunov_decrease) statement.goal_cube = result.goal_cube;
+      BranchLimits limits;
+      limits.max_boxes = options.max_boxes;
+      limits.max_refuted = options.max_refuted;
+      limits.kept_boxes = options.kept_boxes;
+      limits.max_seconds = options.max_seconds - seconds(start);
+      limits.threads = static_cast<int>(options.threads);
+      proof = prove_condition(statement, limits, progress);
+    }
+    proof.verdict.condition = to_string(condition);
+    proof.verdict.method = "proof";
+    proof.verdict.seconds = seconds(condition_start);
+    result.boxes += proof.verdict.boxes;
+    result.conditions.push_back(std::move(proof));
+  }
+  result.goal_is_safe = is_goal_safe(functions);
+  result.initial_in_workspace = is_initial_in_workspace(problem);
+  result.guarantee = guarantee_of(result, problem);
+  result.seconds = seconds(start);
+  return result;
+}
+
+ProofResult prove(const Networks& networks, const SafetyProblem& problem, double band,
+                  const ProofOptions& options, const ProofProgress& progress) {
+  return prove(ProofFunctions::of(networks), problem, band, options, progress);
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "s2nnds/conditions/condition.h"
+#include "s2nnds/core/random.h"
+#include "s2nnds/verification/branch_and_bound.h"
+#include "s2nnds/verification/certificate.h"
+#include "s2nnds/verification/taylor_model.h"
+
+namespace s2nnds {
+
+struct ProofOptions {
+  std::int64_t max_boxes = 4000000;   // examined, for each condition
+  std::int64_t max_refuted = 100000;  // a condition is given up once so many boxes hold a certain violation
+  std::int64_t kept_boxes = 10000;    // open boxes returned, for each condition
+  double max_seconds = 600.0;         // for the whole proof
+  std::int64_t threads = 0;           // 0: as many as OpenMP likes
+  double goal_radius = 0.08;          // largest cube around the goal that interval Jacobians are tried on
+
+  // For the training loop: gives up early, with the boxes that are open by then.
+  static ProofOptions fail_fast();
+  void visit(FieldVisitor& v);
+};
+
+// f, V, B as the prover sees them.
+struct ProofFunctions {
+  std::shared_ptr<const TaylorFunction> f, V, B;
+
+  static ProofFunctions of(const Networks& networks);
+};
+
+struct ConditionProof {
+  Condition condition = Condition::lyapunov_positive;
+  ConditionVerdict verdict;
+  Points open_lower, open_upper;  // [kept, n] boxes left over, those with a certain violation first
+  Points witnesses;  // [refuted, n] a point of each of these that violates the condition, the worst first
+
+  bool is_proved() const { return verdict.verdict == "proved"; }
+  // `count` points [count, n] for training: the witnesses, then points drawn from the open boxes. Empty if
+  // proved.
+  Points samples(std::size_t count, RandomStream& random) const;
+};
+
+struct ProofResult {
+  Guarantee guarantee = Guarantee::none;   // none, proved or invariant
+  std::vector<ConditionProof> conditions;  // in the order of all_conditions
+  bool goal_is_safe = false;               // B(0) <= 0
+  bool initial_in_workspace = false;       // X0 lies in X
+  double goal_cube = 0.0;  // Vdot < 0 was proved by interval Jacobians for 0 < |x|_inf <= goal_cube
+  std::int64_t boxes = 0;
+  double seconds = 0.0;
+
+  const ConditionProof& operator[](Condition condition) const;
+};
+
+using ProofProgress = std::function<void(Condition, const BranchProgress&)>;
+
+// Decides all conditions on the whole continuum of the workspace (condition.h), with `band` = eps_B >= 0.
+// Sound in floating point: `proved` holds in exact arithmetic for the functions with exactly these double
+// coefficients, and a witness violates its condition in exact arithmetic. Containment is proved on the shell,
+// if there is one, and on the workspace's boundary. Guarantee: `proved` if all conditions hold (containment
+// only where the problem has a shell); `invariant` if containment holds, B(0) <= 0 and X0 lies in the
+// workspace as well. Verdicts and box counts do not depend on the number of threads, unless the time limit
+// strikes. Throws Error on functions or sets of different dimensions.
+ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double band,
+                  const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
+ProofResult prove(const Networks& networks, const SafetyProblem& problem, double band,
+                  const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
+
+}  // namespace s2nnds

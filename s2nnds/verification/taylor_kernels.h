@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstddef>
+
+#include "s2nnds/networks/activation.h"
+
+namespace s2nnds {
+
+// Boxes are examined in tiles: every number of a Taylor model is a row of `tile_boxes` doubles, one a box, so
+// that all arithmetic runs over contiguous lanes.
+inline constexpr std::ptrdiff_t tile_boxes = 16;
+inline constexpr double unit_roundoff = 0x1p-53;
+
+// What an activation looks like on |z - z0| <= radius, T = tile_boxes lanes each, in exact arithmetic:
+//   |sigma(z) - value - first (z - z0) - second (z - z0)^2 / 2| <= value_error
+//   |sigma(z) - value - first (z - z0)| <= linear_error
+//   |sigma'(z) - first - second (z - z0) - third (z - z0)^2 / 2| <= first_error
+// All roundings are covered, those of the coefficients included. At a jump of sigma'' (elu at 0) the errors
+// are of lower order in the radius. A coefficient is not a number where z0 is not.
+struct ActivationExpansion {
+  double value[tile_boxes], first[tile_boxes], second[tile_boxes], third[tile_boxes];
+  double value_error[tile_boxes], linear_error[tile_boxes], first_error[tile_boxes];
+};
+
+// One layer of a network on a tile of boxes |x - c| <= half. A stream is a quantity that the network carries
+// (the value; the value and its derivative along a direction); its model is value and n slopes, [1 + n, T],
+// and a remainder [T].
+struct LayerTile {
+  std::ptrdiff_t width = 0;      // neurons
+  std::ptrdiff_t dimension = 0;  // n
+  std::ptrdiff_t streams = 1;    // 1, or 2 with the derivative
+  Activation activation = Activation::identity;
+  const double* half = nullptr;          // [n, T]
+  const double* row_error = nullptr;     // [width] rounding of a row of W times `magnitude`
+  const double* bias_error = nullptr;    // [width]
+  double remainder_growth = 1.0;         // 1 + the relative rounding of |W| r
+  double adjoint_rounding = 0.0;         // relative rounding of a column of W' in the backward sweep
+  const double* magnitude_in = nullptr;  // [streams, T] largest |value| + |slopes| half among the inputs
+  double* magnitude_out = nullptr;       // [streams, T] the same of the outputs
+  double* z = nullptr;                   // [width, streams (1 + n), T] models before the activation
+  double* z_remainder = nullptr;  // [width, streams, T] in: |W| r; out: with all roundings of the affine map
+  double* a = nullptr;            // [width, streams (1 + n), T] models after the activation
+  double* a_remainder = nullptr;  // [width, streams, T]
+  double* expansion = nullptr;    // [width, 5, T] first, second, third, value_error, first_error
+};
+
+// The backward sweep through a layer: sum_k adjoint_k d_k, d_k the deviation of the k-th output from its
+// model, is expanded to second order in x - c with what it leaves added to `remainder`, and passed on to the
+// layer's inputs.
+struct PullBackTile {
+  const double* adjoint_a = nullptr;    // [width, streams, T]
+  double* adjoint_z = nullptr;          // [width, streams, T] out
+  double* hessian = nullptr;            // [n (n + 1) / 2, T] row by row of the upper triangle, added to
+  double* hessian_magnitude = nullptr;  // [T] sum of all |terms| half half, for the rounding of the Hessian
+  double* remainder = nullptr;          // [T] added to
+};
+
+struct TaylorKernels {
+  void (*expand)(Activation activation, const double* z0, const double* radius, ActivationExpansion& result);
+  void (*activate)(const LayerTile& layer);
+  void (*pull_back)(const LayerTile& layer, const PullBackTile& tile);
+};
+
+// The kernels for this processor (AVX-512, AVX2 with FMA, or plain).
+const TaylorKernels& taylor_kernels();
+
+}  // namespace s2nnds

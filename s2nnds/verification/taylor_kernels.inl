@@ -1,0 +1,411 @@
+// The source of the Taylor kernels, included once per instruction set with S2NNDS_TAYLOR_SPACE, the
+// namespace, and S2NNDS_TAYLOR_LANES, the doubles of a register. Only GCC's vector extensions and the C
+// library's functions are used, so that no inline function compiled for a newer processor can reach the rest
+// of the program. Never compiled with -ffast-math; contraction to fused operations only removes roundings
+// that the bounds already cover.
+
+namespace s2nnds::S2NNDS_TAYLOR_SPACE {
+namespace {
+
+typedef double Lanes __attribute__((vector_size(8 * S2NNDS_TAYLOR_LANES), may_alias));
+typedef long long Words __attribute__((vector_size(8 * S2NNDS_TAYLOR_LANES), may_alias));
+
+inline Lanes load(const double* from) { return *reinterpret_cast<const Lanes*>(from); }
+inline void store(double* to, Lanes x) { *reinterpret_cast<Lanes*>(to) = x; }
+inline Lanes all(double x) { return Lanes{} + x; }
+// NaN in either argument of smaller and larger may get lost: their callers carry it along by other paths.
+inline Lanes smaller(Lanes x, Lanes y) { return x < y ? x : y; }
+inline Lanes larger(Lanes x, Lanes y) { return x > y ? x : y; }
+inline Lanes magnitude(Lanes x) { return x < 0.0 ? -x : x; }
+
+// Relative slack for a sum of at most a few hundred non-negative terms, each a product of a few factors.
+constexpr double slack = 1.0 + 1e-13;
+// The coefficients' own errors: every value, first, second, third below is within this of the exact one,
+// times max(1, |z0|) where z0 enters as a factor.
+constexpr double coefficient_error = 0x1p-43;
+
+// e^x for x <= 0, relative error below 2^-49 for x >= -708; below that e^-708, which is wrong by less than
+// 1e-307. x = k ln 2 + r, |r| <= 0.3467 (k ln2_high is exact, so r is wrong by less than 2^-53), Taylor sum
+// to degree 13 (truncation below 5e-18), Horner's roundings below 2 units, one for the last product.
+inline Lanes exp_of_negative(Lanes x) {
+  x = x < -708.0 ? all(-708.0) : x;
+  const Lanes shifted = x * 1.4426950408889634 + 6755399441055744.0;  // 1.5 * 2^52: k in the low bits
+  const Lanes k = shifted - 6755399441055744.0;
+  const Lanes r = (x - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;
+  Lanes sum = all(1.0 / 6227020800.0);
+  sum = sum * r + 1.0 / 479001600.0;
+  sum = sum * r + 1.0 / 39916800.0;
+  sum = sum * r + 1.0 / 3628800.0;
+  sum = sum * r + 1.0 / 362880.0;
+  sum = sum * r + 1.0 / 40320.0;
+  sum = sum * r + 1.0 / 5040.0;
+  sum = sum * r + 1.0 / 720.0;
+  sum = sum * r + 1.0 / 120.0;
+  sum = sum * r + 1.0 / 24.0;
+  sum = sum * r + 1.0 / 6.0;
+  sum = sum * r + 0.5;
+  sum = sum * r + 1.0;
+  sum = sum * r + 1.0;
+  const Words power = (reinterpret_cast<const Words&>(shifted) << 52) + 0x3FF0000000000000LL;
+  return sum * reinterpret_cast<const Lanes&>(power);
+}
+
+struct Expansion {
+  Lanes value, first, second, third, value_error, linear_error, first_error;
+};
+
+// Errors from bounds on |sigma''|, |sigma'''|, |sigma''''| over the range (Taylor's theorem with Lagrange's
+// remainder) and on |sigma'' - second|, |sigma''' - third| there.
+inline void remainders(Lanes radius, Lanes scale, Lanes second_bound, Lanes third_bound, Lanes fourth_bound,
+                       double second_spread, double third_spread, Expansion& e) {
+  const Lanes square = radius * radius;
+  const Lanes rounding = coefficient_error * scale * (1.0 + radius + square);
+  e.value_error =
+      smaller(third_bound * radius * (1.0 / 6.0), all(0.5 * second_spread)) * square * slack + rounding;
+  e.linear_error =
+      smaller(0.5 * second_bound * square, 0.5 * magnitude(e.second) * square + e.value_error) * slack +
+      rounding;
+  e.first_error =
+      smaller(fourth_bound * radius * (1.0 / 6.0), all(0.5 * third_spread)) * square * slack + rounding;
+}
+
+// The range of |tanh| over |z - z0| <= radius, from t0 = tanh(z0) within 2^-45: by the addition theorem
+// tanh(z0 +- d) lies within (t0 +- d) / (1 +- t0 d) for tanh(d) <= min(d, 1).
+inline void tanh_range(Lanes t0, Lanes radius, Lanes& low, Lanes& high) {
+  const Lanes t = magnitude(t0), d = smaller(radius, all(1.0));
+  const Lanes up = (t + d) / (1.0 + t * d) + 0x1p-40;
+  high = smaller(up, all(1.0));
+  // (t - d) / (1 - t d) falls with d, and magnifies the error of t0 by at most (1 + d) / (1 - d).
+  const Lanes down = (t - d) / (1.0 - smaller(t * d, all(0.9))) - 0x1p-40;
+  low = d <= 0.9 ? larger(down, all(0.0)) : all(0.0);
+}
+
+// max of 2 t (1 - t^2) = |tanh''| over t in [low, high] within [0, 1]; its peak is at 1/sqrt(3).
+inline Lanes tanh_second_bound(Lanes low, Lanes high) {
+  const Lanes at_low = 2.0 * low * (1.0 - low * low), at_high = 2.0 * high * (1.0 - high * high);
+  const Lanes peak =
+      (low <= 0.57735026918962577) & (high >= 0.57735026918962573) ? all(0.76980035891950105) : all(0.0);
+  return larger(larger(at_low, at_high), peak) + 0x1p-48;
+}
+
+// max of |(1 - t^2) (6 t^2 - 2)| = |tanh'''|; local peaks 2 at 0 and 2/3 at t^2 = 2/3.
+inline Lanes tanh_third_bound(Lanes low, Lanes high) {
+  const Lanes u = low * low, w = high * high;
+  const Lanes at_low = magnitude((1.0 - u) * (6.0 * u - 2.0)),
+              at_high = magnitude((1.0 - w) * (6.0 * w - 2.0));
+  const Lanes peak =
+      (u <= 0.6666666666666668) & (w >= 0.6666666666666665) ? all(0.66666666666666674) : all(0.0);
+  return larger(larger(at_low, at_high), peak) + 0x1p-48;
+}
+
+// max of |t (1 - t^2) (16 - 24 t^2)| = |tanh''''|; local peaks 4.08588... at t^2 = (15 - sqrt(105)) / 30 and
+// 0.61009... at t^2 = (15 + sqrt(105)) / 30.
+inline Lanes tanh_fourth_bound(Lanes low, Lanes high) {
+  const Lanes u = low * low, w = high * high;
+  const Lanes at_low = magnitude(low * (1.0 - u) * (16.0 - 24.0 * u));
+  const Lanes at_high = magnitude(high * (1.0 - w) * (16.0 - 24.0 * w));
+  const Lanes first_peak = (u <= 0.158435) & (w >= 0.158434) ? all(4.0859) : all(0.0);
+  const Lanes second_peak = (u <= 0.841566) & (w >= 0.841565) ? all(0.6102) : all(0.0);
+  return larger(larger(at_low, at_high), larger(first_peak, second_peak)) + 0x1p-46;
+}
+
+// tanh(z) with an absolute error below 2^-46, and e = exp(-2 |z|).
+inline Lanes tanh_of(Lanes z) {
+  const Lanes e = exp_of_negative(-2.0 * magnitude(z));
+  const Lanes t = (1.0 - e) / (1.0 + e);
+  return z < 0.0 ? -t : t;
+}
+
+inline void expand_tanh(Lanes z0, Lanes radius, Expansion& e) {
+  const Lanes t = tanh_of(z0), w = t * t;
+  e.value = t;
+  e.first = 1.0 - w;
+  e.second = -2.0 * t * e.first;
+  e.third = e.first * (6.0 * w - 2.0);
+  Lanes low, high;
+  tanh_range(t, radius, low, high);
+  remainders(radius, all(1.0), tanh_second_bound(low, high), tanh_third_bound(low, high),
+             tanh_fourth_bound(low, high), 1.5397, 2.6667, e);
+}
+
+// s = 1 / (1 + exp(-z)) = (1 + tanh(z / 2)) / 2, so that s'' and its derivatives are tanh's, scaled.
+struct Logistic {
+  Lanes s, first, second, third, fourth;         // s, s', ... at z0
+  Lanes first_bound, second_bound, third_bound;  // of |s'|, |s''|, |s'''| over the range
+};
+inline Logistic logistic(Lanes z0, Lanes radius) {
+  Logistic l;
+  const Lanes t = tanh_of(0.5 * z0), w = t * t;
+  Lanes low, high;
+  tanh_range(t, 0.5 * radius, low, high);
+  l.s = 0.5 + 0.5 * t;
+  l.first = 0.25 * (1.0 - w);
+  l.second = -t * l.first;
+  l.third = 0.25 * l.first * (6.0 * w - 2.0);
+  l.fourth = t * l.first * (2.0 - 3.0 * w);
+  l.first_bound = 0.25 * (1.0 - low * low) + 0x1p-40;
+  l.second_bound = 0.125 * tanh_second_bound(low, high);
+  l.third_bound = 0.0625 * tanh_third_bound(low, high);
+  return l;
+}
+
+// log(1 + e^z) = max(z, 0) + log1p(exp(-|z|)), the C library's log1p being wrong by at most 4 units in the
+// last place.
+inline Lanes softplus_of(Lanes z) {
+  Lanes e = exp_of_negative(-magnitude(z));
+  for (int i = 0; i < S2NNDS_TAYLOR_LANES; ++i) e[i] = log1p(e[i]);
+  return (z < 0.0 ? all(0.0) : z) + e;
+}
+
+inline void expand_softplus(Lanes z0, Lanes radius, Expansion& e) {
+  const Logistic l = logistic(z0, radius);
+  e.value = softplus_of(z0);
+  e.first = l.s;
+  e.second = l.first;
+  e.third = l.second;
+  remainders(radius, 1.0 + magnitude(z0), l.first_bound, l.second_bound, l.third_bound, 0.2501, 0.1926, e);
+}
+
+// z s(z); its k-th derivative is k s^(k-1) + z s^(k). Over the range: the value at z0 plus radius times a
+// bound of the next derivative, or the triangle inequality, or the bound on the whole line: 0.5, 0.30819, 0.5
+// and 0.65803 for the second to the fifth derivative.
+inline void expand_silu(Lanes z0, Lanes radius, Expansion& e) {
+  const Logistic l = logistic(z0, radius);
+  const Lanes farthest = magnitude(z0) + radius, scale = 4.0 * (1.0 + magnitude(z0));
+  e.value = z0 * l.s;
+  e.first = l.s + z0 * l.first;
+  e.second = 2.0 * l.first + z0 * l.second;
+  e.third = 3.0 * l.second + z0 * l.third;
+  const Lanes fourth = 4.0 * l.third + z0 * l.fourth, rounding = 0x1p-40 * scale;
+  const Lanes second_bound = smaller(2.0 * l.first_bound + farthest * l.second_bound, all(0.5001));
+  const Lanes fourth_bound = smaller(magnitude(fourth) + 0.6581 * radius + rounding, all(0.5001));
+  const Lanes third_bound = smaller(smaller(3.0 * l.second_bound + farthest * l.third_bound,
+                                            magnitude(e.third) + radius * fourth_bound + rounding),
+                                    all(0.3082));
+  remainders(radius, scale, second_bound, third_bound, fourth_bound, 0.5371, 0.6164, e);
+}
+
+// exp(z) - 1 below 0, z above: sigma'' jumps from 1 to 0 at 0. On a range around 0, sigma'' lies in [0, 1]
+// almost everywhere, so both Taylor polynomials take 1/2 for it and leave a remainder of lower order.
+inline void expand_elu(Lanes z0, Lanes radius, Expansion& e) {
+  const Words above = z0 - radius > 0.0, below = z0 + radius<0.0, positive = z0> 0.0;
+  const Lanes power = exp_of_negative(positive ? all(0.0) : z0);
+  const Lanes bound =
+      smaller(power / (1.0 - smaller(radius, all(0.99))), all(1.0)) + 0x1p-48;  // e^r <= 1 / (1 - r)
+  const Lanes square = radius * radius;
+  const Lanes rounding = coefficient_error * (1.0 + radius + square);
+  e.value = positive ? z0 : power - 1.0;
+  e.first = positive ? all(1.0) : power;
+  e.second = above ? all(0.0) : (below ? power : all(0.5));
+  e.third = below ? power : all(0.0);
+  const Lanes cubic = smaller(bound * radius * (1.0 / 6.0), all(0.5)) * square;
+  e.value_error = (above ? all(0.0) : (below ? cubic : 0.25 * square)) * slack + rounding;
+  e.linear_error = (above ? all(0.0) : (below ? 0.5 * bound * square : 0.5 * square)) * slack + rounding;
+  e.first_error = (above ? all(0.0) : (below ? cubic : 0.5 * radius)) * slack + rounding;
+}
+
+// The C library's sin and cos, wrong by at most 4 units in the last place.
+// |sin(z0 + d)| <= |sin z0| + |cos z0| |d|, and so for cos.
+inline void expand_sine(Lanes z0, Lanes radius, Expansion& e) {
+  Lanes sine = z0, cosine = z0;
+  for (int i = 0; i < S2NNDS_TAYLOR_LANES; ++i) {
+    sine[i] = sin(z0[i]);
+    cosine[i] = cos(z0[i]);
+  }
+  e.value = sine;
+  e.first = cosine;
+  e.second = -sine;
+  e.third = -cosine;
+  const Lanes sine_bound = smaller(magnitude(sine) + magnitude(cosine) * radius + 0x1p-48, all(1.0));
+  const Lanes cosine_bound = smaller(magnitude(cosine) + magnitude(sine) * radius + 0x1p-48, all(1.0));
+  remainders(radius, all(1.0), sine_bound, cosine_bound, sine_bound, 2.0001, 2.0001, e);
+}
+
+inline void expand_identity(Lanes z0, Lanes radius, Expansion& e) {
+  e.value = z0;
+  e.first = all(1.0);
+  e.second = e.third = e.value_error = e.linear_error = e.first_error = 0.0 * radius;
+}
+
+inline void expand_lanes(Activation activation, Lanes z0, Lanes radius, Expansion& e) {
+  switch (activation) {
+    case Activation::identity:
+      return expand_identity(z0, radius, e);
+    case Activation::tanh:
+      return expand_tanh(z0, radius, e);
+    case Activation::elu:
+      return expand_elu(z0, radius, e);
+    case Activation::softplus:
+      return expand_softplus(z0, radius, e);
+    case Activation::silu:
+      return expand_silu(z0, radius, e);
+    case Activation::sine:
+      return expand_sine(z0, radius, e);
+  }
+  e.value = e.first = e.second = e.third = e.value_error = e.linear_error = e.first_error =
+      all(__builtin_nan(""));
+}
+
+void expand(Activation activation, const double* z0, const double* radius, ActivationExpansion& result) {
+  for (ptrdiff_t t = 0; t < tile_boxes; t += S2NNDS_TAYLOR_LANES) {
+    Lanes z, r;
+    memcpy(&z, z0 + t, sizeof z);
+    memcpy(&r, radius + t, sizeof r);
+    Expansion e;
+    expand_lanes(activation, z, r, e);
+    memcpy(result.value + t, &e.value, sizeof z);
+    memcpy(result.first + t, &e.first, sizeof z);
+    memcpy(result.second + t, &e.second, sizeof z);
+    memcpy(result.third + t, &e.third, sizeof z);
+    memcpy(result.value_error + t, &e.value_error, sizeof z);
+    memcpy(result.linear_error + t, &e.linear_error, sizeof z);
+    memcpy(result.first_error + t, &e.first_error, sizeof z);
+  }
+}
+
+// sum_d |slope_d| half_d, rounded up.
+inline Lanes spread(const double* slopes, const double* half, ptrdiff_t n) {
+  Lanes sum = all(0.0);
+  for (ptrdiff_t d = 0; d < n; ++d)
+    sum += magnitude(load(slopes + d * tile_boxes)) * load(half + d * tile_boxes);
+  return sum * slack;
+}
+
+// Completes the remainder of neuron i's stream with the roundings of the affine map.
+inline Lanes complete_remainder(const LayerTile& layer, ptrdiff_t i, ptrdiff_t stream, ptrdiff_t t) {
+  double* r = layer.z_remainder + (i * layer.streams + stream) * tile_boxes + t;
+  const Lanes rounding = layer.row_error[i] * load(layer.magnitude_in + stream * tile_boxes + t) +
+                         (stream == 0 ? layer.bias_error[i] : 0.0);
+  const Lanes completed = (load(r) * layer.remainder_growth + rounding) * slack;
+  store(r, completed);
+  return completed;
+}
+
+constexpr double twice = 4.0 * unit_roundoff;  // relative error of two or three operations, with room
+
+void activate(const LayerTile& layer) {
+  const ptrdiff_t n = layer.dimension, block = (1 + n) * tile_boxes, row = layer.streams * block;
+  for (ptrdiff_t t = 0; t < tile_boxes; t += S2NNDS_TAYLOR_LANES) {
+    const double* half = layer.half + t;
+    Lanes largest = all(0.0), largest_rate = all(0.0);
+    for (ptrdiff_t i = 0; i < layer.width; ++i) {
+      const double* z = layer.z + i * row + t;
+      double* a = layer.a + i * row + t;
+      double* kept = layer.expansion + i * 5 * tile_boxes + t;
+      double* out_remainder = layer.a_remainder + i * layer.streams * tile_boxes + t;
+      const Lanes r = complete_remainder(layer, i, 0, t);
+      const Lanes linear = spread(z + tile_boxes, half, n), radius = (linear + r) * slack;
+      Expansion e;
+      expand_lanes(layer.activation, load(z), radius, e);
+      store(kept, e.first);
+      store(kept + tile_boxes, e.second);
+      store(kept + 2 * tile_boxes, e.third);
+      store(kept + 3 * tile_boxes, e.value_error);
+      store(kept + 4 * tile_boxes, e.first_error);
+      const Lanes first = magnitude(e.first), second = magnitude(e.second);
+      store(a, e.value);
+      for (ptrdiff_t d = 1; d <= n; ++d) store(a + d * tile_boxes, e.first * load(z + d * tile_boxes));
+      store(out_remainder, first * (r + twice * linear) + e.linear_error);
+      largest = larger(largest, magnitude(e.value) + first * linear);
+      if (layer.streams == 1) continue;
+
+      // p = sigma'(z) zdot about (z0, zdot0).
+      const double* rate = z + block;
+      const Lanes rate_r = complete_remainder(layer, i, 1, t);
+      const Lanes rate_linear = spread(rate + tile_boxes, half, n), rate_radius = rate_linear + rate_r;
+      const Lanes rate0 = load(rate), cross = e.second * rate0, cross_size = magnitude(cross);
+      store(a + block, e.first * rate0);
+      for (ptrdiff_t d = 1; d <= n; ++d) {
+        store(a + block + d * tile_boxes,
+              e.first * load(rate + d * tile_boxes) + cross * load(z + d * tile_boxes));
+      }
+      const Lanes rate_size = magnitude(rate0) + rate_radius;
+      const Lanes bend = 0.5 * magnitude(e.third) * radius * radius + e.first_error;
+      const Lanes rounding = twice * (first * (magnitude(rate0) + rate_linear) + cross_size * linear);
+      store(out_remainder + tile_boxes,
+            (first * rate_r + cross_size * r + second * radius * rate_radius + bend * rate_size + rounding) *
+                slack);
+      largest_rate = larger(largest_rate, first * rate_size + cross_size * linear);
+    }
+    store(layer.magnitude_out + t, largest * slack);
+    if (layer.streams == 2) store(layer.magnitude_out + tile_boxes + t, largest_rate * slack);
+  }
+}
+
+// hessian += weight (p q' + q p') / 2 over the upper triangle.
+inline void add_product(double* hessian, Lanes weight, const double* p, const double* q, ptrdiff_t n) {
+  for (ptrdiff_t d = 0; d < n; ++d) {
+    const Lanes pd = weight * load(p + d * tile_boxes), qd = weight * load(q + d * tile_boxes);
+    for (ptrdiff_t e = d; e < n; ++e, hessian += tile_boxes) {
+      store(hessian, load(hessian) + 0.5 * (pd * load(q + e * tile_boxes) + qd * load(p + e * tile_boxes)));
+    }
+  }
+}
+inline void add_square(double* hessian, Lanes weight, const double* p, ptrdiff_t n) {
+  for (ptrdiff_t d = 0; d < n; ++d) {
+    const Lanes pd = weight * load(p + d * tile_boxes);
+    for (ptrdiff_t e = d; e < n; ++e, hessian += tile_boxes) {
+      store(hessian, load(hessian) + pd * load(p + e * tile_boxes));
+    }
+  }
+}
+
+void pull_back(const LayerTile& layer, const PullBackTile& tile) {
+  const ptrdiff_t n = layer.dimension, block = (1 + n) * tile_boxes, row = layer.streams * block;
+  for (ptrdiff_t t = 0; t < tile_boxes; t += S2NNDS_TAYLOR_LANES) {
+    const double* half = layer.half + t;
+    Lanes remainder = load(tile.remainder + t), terms = load(tile.hessian_magnitude + t);
+    for (ptrdiff_t i = 0; i < layer.width; ++i) {
+      const ptrdiff_t at = i * layer.streams * tile_boxes + t;
+      const double* z = layer.z + i * row + t;
+      const double* kept = layer.expansion + i * 5 * tile_boxes + t;
+      const Lanes first = load(kept), second = load(kept + tile_boxes), third = load(kept + 2 * tile_boxes);
+      const Lanes r = load(layer.z_remainder + at), linear = spread(z + tile_boxes, half, n),
+                  radius = linear + r;
+      const Lanes square_error = r * (linear + radius);  // of (z - z0)^2 against (slopes . dx)^2
+      const Lanes adjoint = load(tile.adjoint_a + at), size = magnitude(adjoint);
+      Lanes curvature = adjoint * second, passed = adjoint * first;
+      Lanes passed_size = magnitude(passed);
+      remainder += size * (load(kept + 3 * tile_boxes) + 0.5 * magnitude(second) * square_error +
+                           twice * magnitude(first) * linear);
+      if (layer.streams == 2) {
+        const double* rate = z + block;
+        const Lanes rate0 = load(rate), rate_r = load(layer.z_remainder + at + tile_boxes);
+        const Lanes rate_linear = spread(rate + tile_boxes, half, n), rate_radius = rate_linear + rate_r;
+        const Lanes rate_adjoint = load(tile.adjoint_a + at + tile_boxes),
+                    rate_size = magnitude(rate_adjoint);
+        const Lanes mixed = rate_adjoint * second, mixed_size = magnitude(mixed);
+        const Lanes cross = mixed * rate0, rate_passed = rate_adjoint * first;
+        const Lanes bend = rate_adjoint * third * rate0;
+        curvature += bend;
+        passed += cross;
+        passed_size += magnitude(cross);
+        add_product(tile.hessian + t, 2.0 * mixed, z + tile_boxes, rate + tile_boxes, n);
+        terms += 2.0 * mixed_size * linear * rate_linear + magnitude(bend) * linear * linear;
+        remainder += mixed_size * (linear * rate_r + r * rate_radius) + 0.5 * magnitude(bend) * square_error +
+                     rate_size * (0.5 * magnitude(third) * radius * radius * rate_radius +
+                                  load(kept + 4 * tile_boxes) * (magnitude(rate0) + rate_radius) +
+                                  twice * (magnitude(first) * (magnitude(rate0) + rate_linear) +
+                                           magnitude(second * rate0) * linear));
+        store(tile.adjoint_z + at + tile_boxes, rate_passed);
+        remainder +=
+            magnitude(rate_passed) * (layer.row_error[i] * load(layer.magnitude_in + tile_boxes + t) +
+                                      layer.adjoint_rounding * rate_r);
+      }
+      add_square(tile.hessian + t, curvature, z + tile_boxes, n);
+      terms += magnitude(adjoint * second) * linear * linear;
+      store(tile.adjoint_z + at, passed);
+      remainder += passed_size * (layer.row_error[i] * load(layer.magnitude_in + t) + layer.bias_error[i] +
+                                  layer.adjoint_rounding * r);
+    }
+    store(tile.remainder + t, remainder);
+    store(tile.hessian_magnitude + t, terms);
+  }
+}
+
+}  // namespace
+
+extern const TaylorKernels kernels;
+const TaylorKernels kernels = {expand, activate, pull_back};
+
+}  // namespace s2nnds::S2NNDS_TAYLOR_SPACE

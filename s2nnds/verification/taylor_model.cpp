@@ -1,0 +1,151 @@
+#include "s2nnds/verification/taylor_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/problem/interval.h"
+
+namespace s2nnds {
+namespace {
+
+// Room for the roundings of a sum of a few dozen non-negative terms.
+constexpr double slack = 1.0 + 1e-13;
+// Covers what products of tiny numbers lose to underflow.
+constexpr double underflow = 1e-250;
+
+// The maximum of g t + h t^2 / 2 over |t| <= w (rounded, to be inflated by the caller).
+double parabola_maximum(double g, double h, double w) {
+  const double slope = std::abs(g);
+  if (h < 0.0 && slope < -h * w) return slope * slope / (-2.0 * h);
+  return slope * w + 0.5 * h * w * w;
+}
+
+}  // namespace
+
+void BoxTile::assign(const Points& lower, const Points& upper, Eigen::Index first, Eigen::Index count) {
+  check(count > 0 && count <= tile_boxes && lower.cols() == dimension() && upper.cols() == dimension(),
+        "box tile: found {} boxes of dimension {}, expected 1 to {} of dimension {}", count, lower.cols(),
+        tile_boxes, dimension());
+  for (Eigen::Index lane = 0; lane < tile_boxes; ++lane) {
+    const Eigen::Index row = first + std::min(lane, count - 1);
+    for (Eigen::Index d = 0; d < dimension(); ++d) {
+      const double low = lower(row, d), high = upper(row, d),
+                   middle = low == high ? low : 0.5 * low + 0.5 * high;
+      center[d](lane) = middle;
+      // A difference that rounds to zero is exact, so that a point stays a point.
+      const double below = middle - low, above = high - middle;
+      half[d](lane) = low == high ? 0.0 : next_up(std::max(below, above));
+      if (!(low <= high)) center[d](lane) = std::nan("");
+    }
+  }
+}
+
+TileRow TileModels::spread(Eigen::Index i, const BoxTile& tile) const {
+  TileRow sum;
+  for (Eigen::Index d = 0; d < dimension; ++d) sum += slope(i)[d].abs() * tile.half[d];
+  return sum * slack;
+}
+
+void TileForm::clear() {
+  value.setZero();
+  remainder.setZero();
+  magnitude.setZero();
+  for (TileRow& row : gradient) row.setZero();
+  for (TileRow& row : hessian) row.setZero();
+  operations = 16;
+}
+
+TileRow TileForm::upper(const BoxTile& tile) const { return bound(tile, 1.0); }
+TileRow TileForm::lower(const BoxTile& tile) const { return -bound(tile, -1.0); }
+
+TileRow TileForm::bound(const BoxTile& tile, double sign) const {
+  const Eigen::Index n = tile.dimension();
+  TileRow result;
+  for (Eigen::Index lane = 0; lane < tile_boxes; ++lane) {
+    double polynomial = 0.0, size = std::abs(value(lane));
+    std::size_t at = 0;
+    for (Eigen::Index d = 0; d < n; ++d) {
+      const double w = tile.half[d](lane), g = gradient[d](lane), h = hessian[at++](lane);
+      polynomial += parabola_maximum(g, sign * h, w);
+      size += std::abs(g) * w + std::abs(h) * w * w;
+      for (Eigen::Index e = d + 1; e < n; ++e) {
+        const double mixed = std::abs(hessian[at++](lane)) * w * tile.half[e](lane);
+        polynomial += mixed;
+        size += mixed;
+      }
+    }
+    const double roundings = 4.0 * unit_roundoff * operations;
+    const double error = remainder(lane) * (1.0 + roundings) +
+                         roundings * (magnitude(lane) + size) * (1.0 + roundings) + underflow;
+    result(lane) = sign * value(lane) + (polynomial + error * slack);
+  }
+  return result;
+}
+
+Vector TileForm::extreme_point(const BoxTile& tile, Eigen::Index lane, double sign) const {
+  const Eigen::Index n = tile.dimension();
+  Vector point(n);
+  std::size_t at = 0;
+  for (Eigen::Index d = 0; d < n; ++d) {
+    const double w = tile.half[d](lane), g = sign * gradient[d](lane), h = sign * hessian[at](lane);
+    const double corner = g >= 0.0 ? w : -w;
+    point(d) = tile.center[d](lane) + (h < 0.0 && std::abs(g) < -h * w ? -g / h : corner);
+    at += static_cast<std::size_t>(n - d);
+  }
+  return point;
+}
+
+double TileForm::polynomial(const BoxTile& tile, Eigen::Index lane, const Vector& point) const {
+  double sum = value(lane);
+  std::size_t at = 0;
+  for (Eigen::Index d = 0; d < point.size(); ++d) {
+    const double x = point(d) - tile.center[d](lane);
+    sum += gradient[d](lane) * x + 0.5 * hessian[at++](lane) * x * x;
+    for (Eigen::Index e = d + 1; e < point.size(); ++e) {
+      sum += hessian[at++](lane) * x * (point(e) - tile.center[e](lane));
+    }
+  }
+  return sum;
+}
+
+ScalarEnclosure::ScalarEnclosure(const TaylorFunction& function, const TaylorFunction* field)
+    : function_(function),
+      field_(field),
+      function_workspace_(function.workspace()),
+      field_workspace_(field != nullptr ? field->workspace() : nullptr),
+      direction_(function.input_dimension(), function.input_dimension()),
+      adjoint_(function.input_dimension()),
+      form_(function.input_dimension()) {
+  const Eigen::Index n = function.input_dimension();
+  check(function.output_dimension() == 1, "enclosure: found a function with {} outputs, expected 1",
+        function.output_dimension());
+  check(field == nullptr || (field->input_dimension() == n && field->output_dimension() == n),
+        "enclosure: the field's dimension differs from the function's, {}", n);
+}
+
+const TileForm& ScalarEnclosure::value(const BoxTile& tile) {
+  form_.clear();
+  function_.add_value(tile, *function_workspace_, form_);
+  return form_;
+}
+
+const TileForm& ScalarEnclosure::lie_derivative(const BoxTile& tile) {
+  check(field_ != nullptr, "enclosure: found no vector field for a derivative");
+  form_.clear();
+  field_->models(tile, *field_workspace_, direction_);
+  function_.add_derivative(tile, *function_workspace_, direction_, adjoint_, form_);
+  field_->add_deviations(tile, *field_workspace_, adjoint_, form_);
+  return form_;
+}
+
+const TileForm& ScalarEnclosure::partial_derivative(const BoxTile& tile, Eigen::Index axis) {
+  form_.clear();
+  for (TileRow& row : direction_.models) row.setZero();
+  for (TileRow& row : direction_.remainder) row.setZero();
+  direction_.value(axis).setOnes();
+  function_.add_derivative(tile, *function_workspace_, direction_, adjoint_, form_);
+  return form_;
+}
+
+}  // namespace s2nnds

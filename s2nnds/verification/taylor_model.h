@@ -1,0 +1,140 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "s2nnds/core/points.h"
+#include "s2nnds/verification/interval_matrix.h"
+#include "s2nnds/verification/taylor_kernels.h"
+
+namespace s2nnds {
+
+// One double for each box of a tile, aligned for the widest registers.
+struct alignas(64) TileRow : Eigen::Array<double, tile_boxes, 1> {
+  using Base = Eigen::Array<double, tile_boxes, 1>;
+  TileRow() : Base(Base::Zero()) {}
+  template <typename Derived>
+  TileRow(const Eigen::ArrayBase<Derived>& other) : Base(other) {}  // NOLINT: an expression is a row
+  using Base::operator=;
+};
+
+// Up to T = tile_boxes boxes |x - center| <= half of R^n; lanes that are not filled repeat the last box.
+class BoxTile {
+ public:
+  explicit BoxTile(Eigen::Index dimension) : center(dimension), half(dimension) {}
+
+  Eigen::Index dimension() const { return static_cast<Eigen::Index>(center.size()); }
+  // Rows first, ..., first + count - 1 of `lower` and `upper` [N, n]; 0 < count <= tile_boxes. Centres are
+  // rounded, half-widths are rounded up, so that each box is covered.
+  void assign(const Points& lower, const Points& upper, Eigen::Index first, Eigen::Index count);
+
+  std::vector<TileRow> center, half;  // [n]
+};
+
+// First-order Taylor models of m functions on a tile:
+//   |y_i(x) - value_i - slope_i . (x - c)| <= remainder_i.
+struct TileModels {
+  TileModels(Eigen::Index outputs, Eigen::Index inputs)
+      : models(outputs * (1 + inputs)), remainder(outputs), dimension(inputs) {}
+
+  TileRow& value(Eigen::Index i) { return models[i * (1 + dimension)]; }
+  TileRow* slope(Eigen::Index i) { return &models[i * (1 + dimension) + 1]; }  // [n]
+  const TileRow& value(Eigen::Index i) const { return models[i * (1 + dimension)]; }
+  const TileRow* slope(Eigen::Index i) const { return &models[i * (1 + dimension) + 1]; }
+  // |slope_i| . half, rounded up.
+  TileRow spread(Eigen::Index i, const BoxTile& tile) const;
+
+  std::vector<TileRow> models;     // [m, 1 + n]
+  std::vector<TileRow> remainder;  // [m]
+  Eigen::Index dimension;          // n
+};
+
+// A scalar function to second order on a tile: |q(x) - value - gradient . dx - dx' H dx / 2| <= remainder, dx
+// = x - c, once the roundings collected in `magnitude` are counted (bounds do).
+struct TileForm {
+  explicit TileForm(Eigen::Index dimension) : gradient(dimension), hessian(dimension * (dimension + 1) / 2) {}
+  void clear();
+
+  // Above (below) every value of q on each box; NaN where nothing is known.
+  TileRow upper(const BoxTile& tile) const;
+  TileRow lower(const BoxTile& tile) const;
+  // A corner or stationary point of the separable part of the form that makes it large (sign 1) or small
+  // (sign -1): where to look for a violation. Not rigorous.
+  Vector extreme_point(const BoxTile& tile, Eigen::Index lane, double sign) const;
+  // The form's polynomial there. Not rigorous.
+  double polynomial(const BoxTile& tile, Eigen::Index lane, const Vector& point) const;
+
+  TileRow value;
+  std::vector<TileRow> gradient;  // [n]
+  std::vector<TileRow> hessian;   // [n (n + 1) / 2], rows of the upper triangle
+  TileRow remainder;
+  TileRow magnitude;       // sum of |terms| that went into value, gradient and Hessian
+  double operations = 16;  // how many roundings a term can have gone through
+
+ private:
+  TileRow bound(const BoxTile& tile, double sign) const;
+};
+
+// A function R^n -> R^m that can be enclosed by Taylor models over tiles of boxes, in exact arithmetic with
+// every rounding covered: a network, a polynomial. Compositions are expanded by a forward and a backward
+// sweep: the forward sweep gives first-order models; the backward one weighs the local second-order terms and
+// remainders of every elementary operation with their exact influence on the scalar in question (its adjoint
+// at the centre), so that remainders do not pass through |W| after |W|.
+class TaylorFunction {
+ public:
+  // What the sweeps leave in memory; one for each thread.
+  class Workspace {
+   public:
+    virtual ~Workspace() = default;
+  };
+  virtual ~TaylorFunction() = default;
+
+  virtual Eigen::Index input_dimension() const = 0;
+  virtual Eigen::Index output_dimension() const = 0;
+  virtual std::unique_ptr<Workspace> workspace() const = 0;
+
+  // Models of all outputs.
+  virtual void models(const BoxTile& tile, Workspace& workspace, TileModels& y) const = 0;
+  // After models(): adds sum_i adjoint_i (y_i(x) - model_i(x)) to q, adjoint [m].
+  virtual void add_deviations(const BoxTile& tile, Workspace& workspace, const std::vector<TileRow>& adjoint,
+                              TileForm& q) const = 0;
+
+  // Scalar functions only (m = 1). Adds y(x) to q.
+  virtual void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const = 0;
+  // Scalar functions only. Adds grad y(x) . d(x) to q, d given by its models [n] but for sum_i adjoint_i
+  // (d_i(x) - model_i(x)), which the caller still has to add: adjoint [n] is returned.
+  virtual void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
+                              std::vector<TileRow>& adjoint, TileForm& q) const = 0;
+
+  // Around the goal, over the cube |x|_inf <= half:
+  // [m, n] such that y(x) = A(x) x with A(x) in it; nothing unless y(0) = 0 exactly.
+  virtual std::optional<IntervalMatrix> goal_factor(double half) const = 0;
+  // Scalar functions only. [n, n] such that grad y(x) = G(x) x with G(x) in it, for all x of the cube;
+  // nothing unless y(0) = 0 and grad y(0) = 0 exactly. Then also y(x) = x' S(x) x with 2 S(x) in it.
+  virtual std::optional<IntervalMatrix> goal_gradient_factor(double half) const = 0;
+  // Scalar functions only: y(0) = 0 and y > 0 elsewhere for a reason that needs no boxes.
+  virtual bool is_positive_by_construction() const { return false; }
+};
+
+// A function of x alone and its derivative along a vector field, with their memory: one for each thread.
+class ScalarEnclosure {
+ public:
+  // `field` may be null: only value() then.
+  ScalarEnclosure(const TaylorFunction& function, const TaylorFunction* field);
+
+  const TileForm& value(const BoxTile& tile);           // y
+  const TileForm& lie_derivative(const BoxTile& tile);  // grad y . field
+  // The partial derivative dy/dx_axis.
+  const TileForm& partial_derivative(const BoxTile& tile, Eigen::Index axis);
+
+ private:
+  const TaylorFunction& function_;
+  const TaylorFunction* field_;
+  std::unique_ptr<TaylorFunction::Workspace> function_workspace_, field_workspace_;
+  TileModels direction_;
+  std::vector<TileRow> adjoint_;
+  TileForm form_;
+};
+
+}  // namespace s2nnds
