@@ -16,7 +16,7 @@ namespace {
 thread_local std::string complaint;
 
 void keep_complaint(int /*level*/, char* message) {
-  if (complaint.empty()) complaint = message;
+  if (complaint.empty()) complaint = message != nullptr ? message : "no memory";
 }
 
 class ComplaintScope {

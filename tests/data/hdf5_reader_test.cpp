@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#if __has_include(<hdf5.h>)
+#include <hdf5.h>
+#else
+#include <hdf5/serial/hdf5.h>  // Debian's place
+#endif
+
+#include "s2nnds/data/readers.h"
+#include "tests/data/temporary_folder.h"
+
+namespace s2nnds {
+namespace {
+
+class Hdf5Reader : public testing::Test {
+ protected:
+  Hdf5Reader() : path_(folder_.path("made.h5")) {
+    file_ = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  }
+  ~Hdf5Reader() override { close(); }
+
+  void close() {
+    if (file_ >= 0) H5Fclose(file_);
+    file_ = -1;
+  }
+
+  // Creates the groups on the way.
+  void put(const std::string& name, const Points& values, int rank = 2, hid_t type = H5T_NATIVE_DOUBLE) {
+    const hid_t links = H5Pcreate(H5P_LINK_CREATE);
+    H5Pset_create_intermediate_group(links, 1);
+    const hsize_t size[2] = {static_cast<hsize_t>(values.rows()), static_cast<hsize_t>(values.cols())};
+    const hid_t space = H5Screate_simple(rank, size, nullptr);
+    const hid_t set = H5Dcreate2(file_, name.c_str(), type, space, links, H5P_DEFAULT, H5P_DEFAULT);
+    H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Dclose(set);
+    H5Sclose(space);
+    H5Pclose(links);
+  }
+  void put_demonstration(const std::string& number, const Points& position) {
+    put("/demonstrations/" + number + "/time", time_, 1);
+    put("/demonstrations/" + number + "/position", position);
+  }
+  void expect_rejected(const std::string& part) {
+    close();
+    expect_error([&] { read_hdf5(path_); }, part);
+  }
+
+  TemporaryFolder folder_;
+  std::string path_;
+  hid_t file_ = -1;
+  const Points time_{{0}, {0.5}, {1.5}};
+  const Points position_{{1, 2, 3}, {3, 4, 5}, {7, 8, 9}};
+  const Points velocity_{{7, 8, 1}, {9, 10, 2}, {11, 12, 3}};
+};
+
+TEST_F(Hdf5Reader, RoundTripInOrderOfNumber) {
+  put_demonstration("10", 10 * position_);
+  put_demonstration("2", 2 * position_);
+  put("/demonstrations/2/velocity", velocity_);
+  close();
+  const DemonstrationSet set = read_hdf5(path_);
+  EXPECT_EQ(set.name, "made");
+  ASSERT_EQ(set.demonstrations.size(), 2U);
+  EXPECT_EQ(set.demonstrations[0].time, time_.col(0));
+  EXPECT_EQ(set.demonstrations[0].position, 2 * position_);
+  EXPECT_EQ(set.demonstrations[0].velocity, velocity_);
+  EXPECT_EQ(set.demonstrations[1].position, 10 * position_);
+  EXPECT_TRUE(set.demonstrations[1].velocity.isApprox(Points::Constant(3, 3, 40)));  // differentiated
+}
+
+TEST_F(Hdf5Reader, TakesOtherNumberTypesAndTimeAsAColumn) {
+  put("/demonstrations/0/time", Points{{0}, {1}}, 2, H5T_STD_I32BE);
+  put("/demonstrations/0/position", Points{{0.5, 1}, {1.5, 3}}, 2, H5T_NATIVE_FLOAT);
+  close();
+  EXPECT_EQ(read_hdf5(path_).demonstrations[0].velocity.row(0), Eigen::RowVector2d(1, 2));
+}
+
+TEST_F(Hdf5Reader, NoDemonstrations) { expect_rejected("made.h5: found no group /demonstrations; expected"); }
+
+TEST_F(Hdf5Reader, NoPosition) {
+  put("/demonstrations/0/time", time_, 1);
+  expect_rejected("/demonstrations/0: found no dataset 'position'; expected");
+}
+
+TEST_F(Hdf5Reader, ADatasetInsteadOfAGroup) {
+  put("/demonstrations/0", time_);
+  expect_rejected("/demonstrations/0: found no group");
+}
+
+TEST_F(Hdf5Reader, WrongShapes) {
+  put("/demonstrations/0/time", Points{{0}, {1}}, 1);
+  put("/demonstrations/0/position", position_);
+  expect_rejected("/demonstrations/0: found 2 times for 3 positions");
+}
+
+TEST_F(Hdf5Reader, NotANumber) {
+  put_demonstration("0", Points(position_ / 0.0 * 0.0));
+  expect_rejected("/demonstrations/0: found a position that is NaN or infinite");
+}
+
+TEST_F(Hdf5Reader, OneSample) {
+  put("/demonstrations/0/time", Points{{0}}, 1);
+  put("/demonstrations/0/position", Points{{1, 2}});
+  expect_rejected("/demonstrations/0: found 1 sample(s)");
+}
+
+TEST_F(Hdf5Reader, MissingTruncatedOrAnotherFormat) {
+  put_demonstration("0", position_);
+  close();
+  expect_error([&] { read_hdf5(folder_.path("none.h5")); }, "none.h5: found no such file");
+  expect_error([&] { read_hdf5(folder_.write("text.h5", "time,x,y\n")); }, "text.h5: found no HDF5 file");
+  std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
+  expect_error([&] { read_hdf5(path_); }, "made.h5: found no HDF5 file, or a truncated one");
+}
+
+}  // namespace
+}  // namespace s2nnds

@@ -1,0 +1,195 @@
+#include "s2nnds/data/readers.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "s2nnds/data/handwriting.h"
+#include "tests/data/temporary_folder.h"
+
+namespace s2nnds {
+namespace {
+
+// Uneven times in [0, 2].
+Vector uneven(Eigen::Index samples) {
+  Vector time(samples);
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    const double u = static_cast<double>(i) / static_cast<double>(samples - 1);
+    time[i] = 2 * u + 0.2 * std::sin(6 * u) - 0.2 * std::sin(6.0) * u;
+  }
+  return time;
+}
+
+TEST(Differentiate, IsExactForParabolasOnAnyGrid) {
+  const Vector t = uneven(9);
+  Points p(9, 2);
+  p.col(0) = 3 * t.array().square() - t.array() + 5;
+  p.col(1) = -2 * t.array() + 1;
+  const Points v = differentiate(t, p);
+  EXPECT_TRUE(v.col(0).isApprox(Vector(6 * t.array() - 1), 1e-12));
+  EXPECT_TRUE(v.col(1).isApprox(Vector::Constant(9, -2), 1e-12));
+}
+
+TEST(Differentiate, ErrorFallsWithTheSquareOfTheStep) {
+  const auto error = [](Eigen::Index samples) {
+    const Vector t = uneven(samples);
+    Points p(samples, 2);
+    p.col(0) = t.array().sin();
+    p.col(1) = t.array().exp();
+    const Points v = differentiate(t, p);
+    return std::max((v.col(0) - Vector(t.array().cos())).cwiseAbs().maxCoeff(),
+                    (v.col(1) - p.col(1)).cwiseAbs().maxCoeff());
+  };
+  const double order = std::log2(error(201) / error(401));
+  EXPECT_GT(order, 1.9);
+  EXPECT_LT(order, 2.1);
+}
+
+TEST(Differentiate, TwoSamplesGiveTheirSlopeAndFewerAnError) {
+  EXPECT_EQ(differentiate(Vector({{1, 3}}), Points{{0, 1}, {4, 0}}), (Points{{2, -0.5}, {2, -0.5}}));
+  expect_error([] { differentiate(Vector::Zero(1), Points::Zero(1, 2)); }, "found 1 times and 1 positions");
+  expect_error([] { differentiate(Vector::LinSpaced(3, 0, 1), Points::Zero(2, 2)); },
+               "found 3 times and 2 positions");
+  expect_error(
+      [] {
+        differentiate(Vector({{0, 0, 1}}), Points::Zero(3, 2));
+      },
+      "found time 0 at sample 1 after 0");
+}
+
+class ReadDemonstrations : public testing::Test {
+ protected:
+  TemporaryFolder folder_;
+  DataOptions csv_;
+
+  void SetUp() override {
+    // The robot's layout: a row a millisecond, a clock that has been running, a goal somewhere.
+    std::string text = "time,x,y,dx,dy\n";
+    for (int i = 0; i <= 25; ++i) {
+      text += fmt::format("{:.3f},{},{},{},0\n", 100 + 0.001 * i, 0.5 - 0.01 * i, 0.3, -10);
+    }
+    folder_.write("robot.csv", text);
+    csv_.source = "csv";
+    csv_.files = {"robot.csv"};
+    csv_.stride = 10;
+    csv_.unit = "m";
+    csv_.test = {};
+  }
+};
+
+TEST_F(ReadDemonstrations, ThinsAndShiftsTheRobotsRecordings) {
+  const DemonstrationSet set = read_demonstrations(csv_, folder_.path(""));
+  EXPECT_EQ(set.unit, "m");
+  const Demonstration& d = set.demonstrations.at(0);
+  EXPECT_TRUE(d.time.isApprox(Vector({{0, 0.01, 0.02, 0.025}}), 1e-9));
+  EXPECT_TRUE(d.position.isApprox(Points{{0.25, 0}, {0.15, 0}, {0.05, 0}, {0, 0}}, 1e-12));
+  EXPECT_EQ(d.position.row(3).norm(), 0);
+  EXPECT_EQ(d.velocity.col(0), Vector::Constant(4, -10));
+}
+
+TEST_F(ReadDemonstrations, AbsolutePathsDoNotNeedADataDirectory) {
+  csv_.files = {folder_.path("robot.csv")};
+  EXPECT_EQ(read_demonstrations(csv_, "").demonstrations.size(), 1U);
+}
+
+TEST_F(ReadDemonstrations, PicksTheOnesInUse) {
+  DataOptions options;
+  options.motion = "Helix";
+  options.use = {3, 0};
+  options.stride = 10;
+  const DemonstrationSet all = handwriting("Helix");
+  const DemonstrationSet set = read_demonstrations(options, "");
+  ASSERT_EQ(set.demonstrations.size(), 2U);
+  EXPECT_EQ(set.demonstrations[0].samples(), 101);
+  EXPECT_EQ(set.demonstrations[0].position.row(1), all.demonstrations[3].position.row(10));
+  EXPECT_EQ(set.demonstrations[1].velocity.row(1), all.demonstrations[0].velocity.row(10));
+  options.use = {7};
+  expect_error([&] { read_demonstrations(options, ""); }, "found index 7; expected 0 to 6");
+}
+
+TEST_F(ReadDemonstrations, BadOptionsAreNamed) {
+  DataOptions options;
+  options.source = "lasa";
+  expect_error([&] { read_demonstrations(options, ""); }, "found source 'lasa' without a file");
+  options.file = "lasa/Cosine.mat";
+  expect_error([&] { read_demonstrations(options, folder_.path("")); },
+               "lasa/Cosine.mat: found no such file");
+  expect_error([&] { read_demonstrations(options, folder_.path("")); }, "--data DIR or S2NNDS_DATA");
+  csv_.files = {};
+  expect_error([&] { read_demonstrations(csv_, ""); }, "found no files");
+  csv_.stride = 0;
+  expect_error([&] { read_demonstrations(csv_, ""); }, "stride");
+  options.source = "paper";
+  expect_error([&] { read_demonstrations(options, ""); }, "source");
+}
+
+TEST_F(ReadDemonstrations, LasaAndDsOptEndInTheOrigin) {
+  const std::string shared = S2NNDS_SHARED_DATA;
+  if (!std::filesystem::exists(shared + "/lasa")) GTEST_SKIP() << "no data in " << shared;
+  DataOptions options;
+  for (const auto& [source, file] :
+       {std::pair("lasa", "lasa/GShape.mat"), std::pair("ds_opt", "ds_opt/3D_Cshape_bottom.mat")}) {
+    options.source = source;
+    options.file = file;
+    for (const Demonstration& d : read_demonstrations(options, shared).demonstrations) {
+      EXPECT_EQ(d.position.row(d.samples() - 1).norm(), 0);
+      EXPECT_EQ(d.time[0], 0);
+      EXPECT_GT(d.position.row(0).norm(), 0);
+    }
+  }
+}
+
+TEST(DataOptions, OnlyTheKeysOfTheSourceAreKnown) {
+  DataOptions options;
+  read_toml(
+      "source = \"csv\"\nfiles = [\"a.csv\", \"b.csv\"]\nunit = \"m\"\nstride = 10\ntest = [1]\nuse = [1, "
+      "0]\n"
+      "normalization = \"max_norm\"",
+      "run.toml", options);
+  DataOptions again;
+  read_toml(to_toml(options), "again.toml", again);
+  EXPECT_EQ(again.source, "csv");
+  EXPECT_EQ(again.files, (std::vector<std::string>{"a.csv", "b.csv"}));
+  EXPECT_EQ(again.unit, "m");
+  EXPECT_EQ(again.stride, 10);
+  EXPECT_EQ(again.test, (std::vector<std::int64_t>{1}));
+  EXPECT_EQ(again.use, (std::vector<std::int64_t>{1, 0}));
+  EXPECT_EQ(again.normalization, "max_norm");
+  const auto read = [](const std::string& text) {
+    DataOptions fresh;
+    read_toml(text, "run.toml", fresh);
+  };
+  expect_error([&] { read("source = \"csv\"\nmotion = \"Sine\""); }, "motion");
+  expect_error([&] { read("source = \"lasa\"\nfiles = [\"a.mat\"]"); }, "files");
+  expect_error([&] { read("motion = \"Cosine\""); }, "Cosine");
+  expect_error([&] { read("stride = 0"); }, "stride");
+  expect_error([&] { read("test = [-1]"); }, "test");
+}
+
+TEST(DataDirectory, FlagThenEnvironmentThenSharedFolder) {
+  const TemporaryFolder folder;
+  const std::string named = folder.path("");
+  unsetenv("S2NNDS_DATA");
+  EXPECT_EQ(data_directory(named), named);
+  expect_error([&] { data_directory(folder.path("none")); },
+               "none: found no such directory; expected --data");
+  setenv("S2NNDS_DATA", named.c_str(), 1);
+  EXPECT_EQ(data_directory(""), named);
+  EXPECT_EQ(data_directory("/"), "/");
+  setenv("S2NNDS_DATA", folder.path("none").c_str(), 1);
+  expect_error([] { data_directory(""); }, "expected S2NNDS_DATA");
+  unsetenv("S2NNDS_DATA");
+
+  const auto before = std::filesystem::current_path();
+  std::filesystem::create_directories(folder.path("shared/data"));
+  std::filesystem::create_directories(folder.path("main"));
+  std::filesystem::current_path(folder.path("main"));
+  EXPECT_EQ(data_directory(""), "../shared/data");
+  std::filesystem::current_path(folder.path(""));
+  EXPECT_TRUE(data_directory("").empty() || std::filesystem::is_directory("../shared/data"));
+  std::filesystem::current_path(before);
+}
+
+}  // namespace
+}  // namespace s2nnds
