@@ -4,6 +4,11 @@
 
 namespace s2nnds {
 
+BarrierImpl::BarrierImpl(std::int64_t dimension, const BarrierOptions& options, RandomStream& random,
+                         torch::Dtype dtype) {
+  network = register_module("network", Mlp(dimension, 1, options.network, random, dtype));
+}
+
 torch::Tensor BarrierImpl::forward(const torch::Tensor& x) { return network(x).squeeze(1); }
 
 std::pair<torch::Tensor, torch::Tensor> BarrierImpl::forward_tangent(const torch::Tensor& x,

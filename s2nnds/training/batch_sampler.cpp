@@ -7,21 +7,27 @@
 namespace s2nnds {
 namespace {
 
-constexpr double kNearestToGoal = 1e-3;  // least distance of the samples around the goal, share of the workspace
+constexpr double kNearestToGoal =
+    1e-3;  // least distance of the samples around the goal, share of the workspace
 
-// Whether the box surely or possibly meets the region; bisects a little, since enclosures of large boxes are wide.
+// Whether the box surely or possibly meets the region; bisects a little, since enclosures of large boxes are
+// wide.
 bool may_meet(const Region& region, const Box& box, int depth) {
   switch (region.classify(box)) {
-    case Location::inside: return true;
-    case Location::outside: return false;
-    case Location::unknown: break;
+    case Location::inside:
+      return true;
+    case Location::outside:
+      return false;
+    case Location::unknown:
+      break;
   }
   if (depth == 0) return true;
   const auto [left, right] = box.bisect(box.widest_side());
   return may_meet(region, left, depth - 1) || may_meet(region, right, depth - 1);
 }
 
-void append_some(Points& batch, Eigen::Index& at, const Points& from, Eigen::Index count, RandomStream& random) {
+void append_some(Points& batch, Eigen::Index& at, const Points& from, Eigen::Index count,
+                 RandomStream& random) {
   for (Eigen::Index i = 0; i < count; ++i) batch.row(at++) = from.row(random.below(from.rows()));
 }
 
@@ -118,7 +124,8 @@ Batch BatchSampler::draw(RandomStream& random) const {
     batch.velocity.row(i) = velocity_.row(sample);
   }
   batch.workspace = draw_workspace(random);
-  const auto region = [&](const std::optional<RegionSampler>& sampler, const Points& pool, Eigen::Index count) {
+  const auto region = [&](const std::optional<RegionSampler>& sampler, const Points& pool,
+                          Eigen::Index count) {
     Points x(sampler ? count : 0, n);
     if (x.rows() == 0) return x;
     const Eigen::Index old = pool.rows() > 0 ? count / 3 : 0;
@@ -141,7 +148,8 @@ void BatchSampler::add(const Counterexamples& found, std::int64_t additions, std
   for (std::size_t q = 0; q < all_conditions.size(); ++q) {
     Points* pool = &pools_.workspace;
     if (all_conditions[q] == Condition::initial) pool = &pools_.initial;
-    if (all_conditions[q] == Condition::unsafe || all_conditions[q] == Condition::containment) pool = &pools_.unsafe;
+    if (all_conditions[q] == Condition::unsafe || all_conditions[q] == Condition::containment)
+      pool = &pools_.unsafe;
     append(*pool, found.points[q], additions, capacity);
   }
 }

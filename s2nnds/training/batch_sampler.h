@@ -14,8 +14,8 @@ struct Batch {
   Points position, velocity;  // of demonstrations
   Points workspace;
   Points initial;
-  Points unsafe;              // of Xu, the shell and the counterexamples of both
-  Points safe, doomed;        // labelled by rollouts
+  Points unsafe;        // of Xu, the shell and the counterexamples of both
+  Points safe, doomed;  // labelled by rollouts
 };
 
 // Counterexamples found so far: what a checkpoint keeps besides the networks.
@@ -23,7 +23,8 @@ struct CounterexamplePools {
   Points workspace, initial, unsafe;  // [k, n], oldest first
 };
 
-// Draws training batches. What it knows of the networks (points near {B = 0}, rollout labels) is handed to it.
+// Draws training batches. What it knows of the networks (points near {B = 0}, rollout labels) is handed to
+// it.
 class BatchSampler {
  public:
   // `keep_clear`: demonstration samples nearer to the unsafe set than this, per axis, are left out.
@@ -39,7 +40,8 @@ class BatchSampler {
 
   const CounterexamplePools& pools() const { return pools_; }
   void set_pools(CounterexamplePools pools) { pools_ = std::move(pools); }
-  std::int64_t kept_samples() const { return position_.rows(); }
+  const Points& position() const { return position_; }  // demonstration samples that were kept
+  const Points& velocity() const { return velocity_; }
   std::int64_t left_out_samples() const { return left_out_; }
 
  private:

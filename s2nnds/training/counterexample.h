@@ -19,8 +19,9 @@ struct Counterexamples {
   std::int64_t total() const;
 };
 
-// Something that looks for points where the networks violate a condition: random sampling, local search, or the
-// open boxes of a proof. The trainer asks each source after every round; the driver decides which there are.
+// Something that looks for points where the networks violate a condition: random sampling, local search, or
+// the open boxes of a proof. The trainer asks each source after every round; the driver decides which there
+// are.
 class CounterexampleSource {
  public:
   virtual ~CounterexampleSource() = default;

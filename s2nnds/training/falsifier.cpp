@@ -31,10 +31,11 @@ Points append(const Points& a, const Points& b) {
   return all;
 }
 
-Points all_samples(const SafetyProblem& problem, const std::vector<RegionSampler>& samplers, std::int64_t count,
-                   RandomStream& random) {
+Points all_samples(const SafetyProblem& problem, const std::vector<RegionSampler>& samplers,
+                   std::int64_t count, RandomStream& random) {
   Points x = uniform(problem.workspace, count, random);
-  for (const RegionSampler& sampler : samplers) x = append(x, sampler.sample(std::max<std::int64_t>(1, count / 10), random));
+  for (const RegionSampler& sampler : samplers)
+    x = append(x, sampler.sample(std::max<std::int64_t>(1, count / 10), random));
   return x;
 }
 
@@ -74,7 +75,9 @@ Counterexamples violators(const Points& x, const Points& residual, std::int64_t 
 
 }  // namespace
 
-std::int64_t Counterexamples::total() const { return std::accumulate(counts.begin(), counts.end(), std::int64_t{0}); }
+std::int64_t Counterexamples::total() const {
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+}
 
 RandomFalsifier::RandomFalsifier(const SafetyProblem& problem, const FalsifierOptions& options)
     : options_(options), samplers_(sample_regions(problem)) {}
@@ -86,12 +89,12 @@ Counterexamples RandomFalsifier::find(const Networks& networks, const SafetyProb
   return violators(x, residuals(networks, problem, band, x), options_.keep);
 }
 
-LocalSearchFalsifier::LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options, int starts,
-                                           int steps)
+LocalSearchFalsifier::LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options,
+                                           int starts, int steps)
     : options_(options), samplers_(sample_regions(problem)), starts_(starts), steps_(steps) {}
 
-Counterexamples LocalSearchFalsifier::find(const Networks& networks, const SafetyProblem& problem, double band,
-                                           std::uint64_t seed, std::int64_t round) {
+Counterexamples LocalSearchFalsifier::find(const Networks& networks, const SafetyProblem& problem,
+                                           double band, std::uint64_t seed, std::int64_t round) {
   RandomStream random(seed, "falsifier/local search", round);
   const Points x = all_samples(problem, samplers_, options_.samples / 10, random);
   const Points residual = residuals(networks, problem, band, x);

@@ -15,24 +15,24 @@ class RandomFalsifier : public CounterexampleSource {
  public:
   RandomFalsifier(const SafetyProblem& problem, const FalsifierOptions& options);
   std::string name() const override { return "random"; }
-  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band, std::uint64_t seed,
-                       std::int64_t round) override;
+  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
+                       std::uint64_t seed, std::int64_t round) override;
 
  private:
   FalsifierOptions options_;
   std::vector<RegionSampler> samplers_;  // of X0, Xu and the shell, where there are any
 };
 
-// Starts from the points nearest to violating each condition and climbs the residual by random steps of shrinking
-// length: finds violations on sets too small for uniform samples.
+// Starts from the points nearest to violating each condition and climbs the residual by random steps of
+// shrinking length: finds violations on sets too small for uniform samples.
 class LocalSearchFalsifier : public CounterexampleSource {
  public:
   LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options, int starts = 200,
                        int steps = 20);
   std::string name() const override { return "local search"; }
   bool only_when_clean() const override { return true; }
-  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band, std::uint64_t seed,
-                       std::int64_t round) override;
+  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
+                       std::uint64_t seed, std::int64_t round) override;
 
  private:
   FalsifierOptions options_;

@@ -73,7 +73,11 @@ TrainerOptions paper_training() {
   options.label_points = 0;
   options.keep_clear = 0.0;
   options.warm_start.weight_decay = 0.0;
-  options.loss = {.kind = "paper", .mse = 10.0, .band = 1.0, .margin_initial = 0.01, .margin_unsafe = 0.01,
+  options.loss = {.kind = "paper",
+                  .mse = 10.0,
+                  .band = 1.0,
+                  .margin_initial = 0.01,
+                  .margin_unsafe = 0.01,
                   .margin_band = 0.0};
   options.batch.initial = options.batch.unsafe = 64;
   options.batch.share_band = options.batch.share_goal = 0.0;

@@ -9,13 +9,13 @@ namespace s2nnds {
 
 // The first fit of f to the demonstrations alone (METHOD: warm start).
 struct WarmStartOptions {
-  std::int64_t steps = 4000;      // Adam steps, cosine decay of the rate to 0
-  std::int64_t batch = 512;       // demonstration samples a step
+  std::int64_t steps = 4000;  // Adam steps, cosine decay of the rate to 0
+  std::int64_t batch = 512;   // demonstration samples a step
   double rate = 2e-3;
-  double weight_decay = 0.1;      // decoupled (AdamW), of all weights of f
-  double clip = 1.0;              // norm of the gradient
-  std::int64_t attempts = 4;      // a start that stalls is drawn anew this often
-  double stalled = 0.25;          // stalled: MSE above this share of the mean squared velocity
+  double weight_decay = 0.1;  // decoupled (AdamW), of all weights of f
+  double clip = 1.0;          // norm of the gradient
+  std::int64_t attempts = 4;  // a start that stalls is drawn anew this often
+  double stalled = 0.25;      // stalled: MSE above this share of the mean squared velocity
 
   void visit(FieldVisitor& v);
 };
@@ -25,10 +25,12 @@ struct WarmStartOptions {
 //   + lyapunov mean log(1 + relu(q)),  q = Vdot / (V + 1e-6) + kappa        (decay rate, free of V's scale)
 //   + separation (mean relu(B + margin_initial) on X0 + mean relu(margin_unsafe - B) on Xu and the shell)
 //   + band mean w relu(Bdot + margin_band),  w = exp(-(B / band_width)^2) held constant   (around {B = 0})
-//   + labels (mean relu(B + margin_label) where rollouts are safe + mean relu(margin_label - B) where they are not).
+//   + labels (mean relu(B + margin_label) where rollouts are safe + mean relu(margin_label - B) where they
+//   are not).
 // `paper`: equations (6) to (8) as printed, LR_a the leaky ReLU:
 //   mse MSE + lyapunov mean (LR_a(margin_positive - V) + LR_a(Vdot - margin_decrease))
-//   + separation (mean LR_a(B + margin_initial) on X0 + mean LR_a(margin_unsafe - B) on Xu) + band mean LR_a(Bdot - margin_band) on X.
+//   + separation (mean LR_a(B + margin_initial) on X0 + mean LR_a(margin_unsafe - B) on Xu) + band mean
+//   LR_a(Bdot - margin_band) on X.
 struct LossOptions {
   std::string kind = "robust";
   double mse = 20.0;
@@ -56,33 +58,33 @@ struct BatchOptions {
   std::int64_t initial = 128;
   std::int64_t unsafe = 128;
   std::int64_t shell = 128;
-  std::int64_t labels = 256;            // half of them with safe rollouts
+  std::int64_t labels = 256;  // half of them with safe rollouts
   // Shares of the workspace batch; the rest is uniform in X.
   double share_counterexamples = 0.3;
-  double share_band = 0.25;             // points with |B| < band_near
-  double share_goal = 0.15;             // log-uniform distance to the goal
+  double share_band = 0.25;  // points with |B| < band_near
+  double share_goal = 0.15;  // log-uniform distance to the goal
   double band_near = 0.06;
-  std::int64_t band_refresh = 100;      // steps after which the points near {B = 0} are sought anew
+  std::int64_t band_refresh = 100;  // steps after which the points near {B = 0} are sought anew
 
   void visit(FieldVisitor& v);
 };
 
 struct TrainerOptions {
-  std::string engine = "fused";         // fused, autograd (the reference)
-  std::int64_t rounds = 40;             // at most
-  std::int64_t min_rounds = 6;          // stopping at the first clean round underfits the demonstrations
-  std::int64_t steps = 500;             // Adam steps a round
+  std::string engine = "fused";  // fused, autograd (the reference)
+  std::int64_t rounds = 40;      // at most
+  std::int64_t min_rounds = 6;   // stopping at the first clean round underfits the demonstrations
+  std::int64_t steps = 500;      // Adam steps a round
   double rate_f = 1e-3;
-  double rate_certificates = 3e-3;      // V and B
-  double rate_decay = 0.9;              // a round
-  double rate_floor = 0.05;             // least factor of the rates
-  double clip = 1.0;                    // norm of each network's gradient
-  std::int64_t label_points = 6000;     // relabelled every round by rollouts; 0: no labels
-  double keep_clear = 0.05;             // demonstration samples nearer to Xu (per axis) leave the MSE term
-  std::int64_t samples = 200000;        // random search for counterexamples after each round
-  std::int64_t pool_additions = 500;    // violators of one condition that join the pool each round
-  std::int64_t pool_capacity = 20000;   // the oldest counterexamples leave beyond this
-  double band = 0.01;                   // eps_B: Bdot < 0 must hold where |B| <= band
+  double rate_certificates = 3e-3;     // V and B
+  double rate_decay = 0.9;             // a round
+  double rate_floor = 0.05;            // least factor of the rates
+  double clip = 1.0;                   // norm of each network's gradient
+  std::int64_t label_points = 6000;    // relabelled every round by rollouts; 0: no labels
+  double keep_clear = 0.05;            // demonstration samples nearer to Xu (per axis) leave the MSE term
+  std::int64_t samples = 200000;       // random search for counterexamples after each round
+  std::int64_t pool_additions = 500;   // violators of one condition that join the pool each round
+  std::int64_t pool_capacity = 20000;  // the oldest counterexamples leave beyond this
+  double band = 0.01;                  // eps_B: Bdot < 0 must hold where |B| <= band
   WarmStartOptions warm_start;
   LossOptions loss;
   BatchOptions batch;

@@ -1,0 +1,194 @@
+#include "commands.h"
+
+#include <fmt/core.h>
+#include <omp.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "progress.h"
+#include "s2nnds/core/check.h"
+#include "s2nnds/data/readers.h"
+#include "s2nnds/deployment/torchscript.h"
+#include "s2nnds/runs/pipeline.h"
+
+extern char** environ;
+
+namespace s2nnds::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+void use_threads(const CommonArguments& common) {
+  if (common.threads > 0) omp_set_num_threads(common.threads);
+}
+
+int finish(const RunRecord& record, const std::string& path, const CommonArguments& common) {
+  print_summary(record, path);
+  if (common.json) fmt::print("{}\n", summary_json(record, path));
+  return record.certificate.guarantee == "none" ? kNotVerified : kVerified;
+}
+
+// Found out before hours of training are lost.
+void check_writable(const std::string& path) {
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  check(fs::is_directory(folder), "{}: cannot write it: {} is not a directory", path, folder.string());
+  check(::access(folder.c_str(), W_OK) == 0, "{}: cannot write it: no permission to write into {}", path,
+        folder.string());
+  check(!fs::is_directory(path), "{}: cannot write it: it is a directory", path);
+}
+
+std::string sibling(const std::string& run, const std::string& suffix) {
+  return fs::path(run).replace_extension().string() + suffix;
+}
+
+struct TrainingStart {
+  std::string path;
+  Setup setup;
+  RunRecord record;
+};
+
+TrainingStart start_from_config(const TrainArguments& arguments, const std::string& data) {
+  TrainingStart start;
+  std::vector<std::string> assignments = arguments.assignments;
+  if (arguments.seed) assignments.push_back(fmt::format("seed={}", *arguments.seed));
+  const std::string text = read_config_text(arguments.config, assignments);
+  const Config config = parse_config(text, arguments.config);
+  start.path = arguments.out.empty() ? fmt::format("{}-seed{}.h5", config.name, config.seed) : arguments.out;
+  check_writable(start.path);
+  start.setup = set_up(config, data);
+  start.record = new_record(start.setup, text);
+  return start;
+}
+
+TrainingStart start_from_run(const TrainArguments& arguments, const std::string& data) {
+  check(arguments.assignments.empty() && !arguments.seed && arguments.config.empty(),
+        "train --resume: found a configuration, --set or --seed as well; a resumed run keeps its own");
+  TrainingStart start;
+  start.path = arguments.out.empty() ? arguments.resume : arguments.out;
+  check_writable(start.path);
+  start.record = load_run(arguments.resume);
+  start.setup = set_up(start.record, data);
+  return start;
+}
+
+void verify_and_evaluate(const Setup& setup, RunRecord& record) {
+  const VerificationOptions& options = setup.config.verification;
+  s2nnds::verify(setup, record, "sampled", options);
+  if (options.method == "conformal") s2nnds::verify(setup, record, "conformal", options);
+  s2nnds::evaluate(setup, record);
+}
+
+}  // namespace
+
+int train(const TrainArguments& arguments, const CommonArguments& common) {
+  use_threads(common);
+  const std::string data = data_directory(common.data);
+  TrainingStart start =
+      arguments.resume.empty() ? start_from_config(arguments, data) : start_from_run(arguments, data);
+  TrainingHooks hooks;
+  hooks.progress = print_round;
+  hooks.checkpoint = [&](const RunRecord& record) { save_run(start.path, record); };
+  const TrainerSummary summary = s2nnds::train(start.setup, start.record, hooks);
+  if (summary.left_out_samples > 0) {
+    fmt::print(stderr, "{} demonstration samples within {} of the unsafe set were left out of the fit\n",
+               summary.left_out_samples, start.setup.config.training.keep_clear);
+  }
+  verify_and_evaluate(start.setup, start.record);
+  save_run(start.path, start.record);
+  return finish(start.record, start.path, common);
+}
+
+int verify(const VerifyArguments& arguments, const CommonArguments& common) {
+  use_threads(common);
+  RunRecord record = load_run(arguments.run);
+  check_writable(arguments.run);
+  const Setup setup = set_up(record, data_directory(common.data));
+  VerificationOptions options = setup.config.verification;
+  if (arguments.samples) options.sampled.samples = options.conformal.samples = *arguments.samples;
+  if (arguments.epsilon) options.conformal.epsilon = *arguments.epsilon;
+  if (arguments.beta) options.conformal.beta = *arguments.beta;
+  validate(options);
+  s2nnds::verify(setup, record, arguments.method, options);
+  save_run(arguments.run, record);
+  finish(record, arguments.run, common);
+  for (const ConditionVerdict& verdict : record.certificate.conditions) {
+    if (verdict.method == arguments.method && verdict.verdict != "passed") return kNotVerified;
+  }
+  return kVerified;
+}
+
+int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
+  use_threads(common);
+  RunRecord record = load_run(arguments.run);
+  check_writable(arguments.run);
+  const Setup setup = set_up(record, data_directory(common.data));
+  s2nnds::evaluate(setup, record);
+  save_run(arguments.run, record);
+  return finish(record, arguments.run, common);
+}
+
+int export_policy(const ExportArguments& arguments, const CommonArguments& common) {
+  const RunRecord record = load_run(arguments.run);
+  const std::string path = arguments.out.empty() ? sibling(arguments.run, ".pt") : arguments.out;
+  check_writable(path);
+  check(record.certificate.weight_hash.empty() ||
+            record.certificate.weight_hash == weight_hash(record.networks),
+        "{}: the certificate speaks of other weights than the file holds", arguments.run);
+  PolicyInfo info;
+  info.name = record.name;
+  info.position_scale = record.data.normalization.position_scale;
+  info.velocity_scale = record.data.normalization.velocity_scale;
+  info.unit = record.data.unit;
+  info.guarantee = record.certificate.guarantee;
+  info.statement = record.certificate.statement;
+  info.workspace_lower = record.problem.workspace.lower;
+  info.workspace_upper = record.problem.workspace.upper;
+  export_torchscript(record.networks, info, path);
+  fmt::print("{}: TorchScript policy, guarantee {}\n", path, info.guarantee);
+  if (common.json) fmt::print("{}\n", summary_json(record, arguments.run));
+  return kVerified;
+}
+
+int plot(const PlotArguments& arguments) {
+  load_run(arguments.run);  // says what is wrong with a bad file
+  const char* wish = std::getenv("S2NNDS_PYTHON");
+  const std::string python = wish ? wish : "/usr/bin/python3";
+  const std::string out = arguments.out.empty() ? sibling(arguments.run, "-figures") : arguments.out;
+  std::vector<std::string> words = {python, S2NNDS_PLOT_SCRIPT, arguments.run, "--out", out};
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::fflush(nullptr);
+  pid_t child = 0;
+  const int error = ::posix_spawn(&child, python.c_str(), nullptr, nullptr, argv.data(), environ);
+  check(error == 0, "plot: cannot start {} (set S2NNDS_PYTHON to a Python with matplotlib and h5py)", python);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : kInternalFailure;
+}
+
+int info(const std::string& run, const CommonArguments& common) {
+  const RunRecord record = load_run(run);
+  fmt::print("{}: schema {}, written by version {} ({}), {}\n", run, run_schema_version,
+             record.program_version, record.library_versions, record.created);
+  fmt::print("  dimension {}, {} demonstrations, workspace [{}, {}]^{}, unsafe set: {}, initial set: {}\n",
+             record.data.dimension, record.data.demonstrations.size(), record.problem.workspace.lower[0],
+             record.problem.workspace.upper[0], record.data.dimension, record.problem.unsafe,
+             record.problem.initial);
+  fmt::print("  position scale {} {}, velocity scale {}, weights {}\n",
+             record.data.normalization.position_scale, record.data.unit,
+             record.data.normalization.velocity_scale, weight_hash(record.networks));
+  if (record.checkpoint) {
+    fmt::print("  rounds {}, training {}\n", record.checkpoint->round,
+               record.checkpoint->finished ? "finished" : "not finished (train --resume goes on)");
+  }
+  print_summary(record, run);
+  if (common.json) fmt::print("{}\n", summary_json(record, run));
+  return kVerified;
+}
+
+}  // namespace s2nnds::program

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+// The commands of the program, one function each. They return the exit code: 0 done and verified, 3 trained
+// or checked but not verified; bad input throws s2nnds::Error (exit code 2).
+namespace s2nnds::program {
+
+inline constexpr int kVerified = 0;
+inline constexpr int kInternalFailure = 1;
+inline constexpr int kBadInput = 2;
+inline constexpr int kNotVerified = 3;
+
+struct CommonArguments {
+  std::string data;   // --data: where the data files are
+  int threads = 0;    // --threads: 0 is all cores
+  bool json = false;  // --json: one JSON object as the last line of stdout
+};
+
+struct TrainArguments {
+  std::string config;
+  std::vector<std::string> assignments;  // --set key=value
+  std::optional<std::int64_t> seed;
+  std::string out;
+  std::string resume;
+};
+int train(const TrainArguments& arguments, const CommonArguments& common);
+
+struct VerifyArguments {
+  std::string run;
+  std::string method = "conformal";
+  std::optional<std::int64_t> samples;
+  std::optional<double> epsilon, beta;
+};
+int verify(const VerifyArguments& arguments, const CommonArguments& common);
+
+struct EvaluateArguments {
+  std::string run;
+};
+int evaluate(const EvaluateArguments& arguments, const CommonArguments& common);
+
+struct ExportArguments {
+  std::string run;
+  std::string format = "torchscript";
+  std::string out;
+};
+int export_policy(const ExportArguments& arguments, const CommonArguments& common);
+
+struct PlotArguments {
+  std::string run;
+  std::string out;
+};
+int plot(const PlotArguments& arguments);
+
+int info(const std::string& run, const CommonArguments& common);
+
+}  // namespace s2nnds::program

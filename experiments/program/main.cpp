@@ -1,0 +1,102 @@
+// s2nnds: learns a motion from demonstrations and certifies it. See README.md for the commands.
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+
+#include "commands.h"
+#include "s2nnds/core/check.h"
+
+namespace {
+
+using namespace s2nnds::program;
+
+int run(int argc, char** argv) {
+  CLI::App app("Learns robot motions from demonstrations and certifies that they converge and stay safe.",
+               "s2nnds");
+  app.require_subcommand(1);
+  CommonArguments common;
+  int code = kVerified;
+  const auto command = [&](const char* name, const char* help) {
+    CLI::App* sub = app.add_subcommand(name, help);
+    sub->add_option("--data", common.data,
+                    "folder of the data files (else $S2NNDS_DATA, else ../shared/data)");
+    sub->add_option("--threads", common.threads, "threads to use; 0: all cores")
+        ->check(CLI::NonNegativeNumber);
+    sub->add_flag("--json", common.json, "print one JSON object as the last line");
+    return sub;
+  };
+
+  TrainArguments training;
+  CLI::App* sub = command("train", "train to a certificate and store the run");
+  sub->add_option("config", training.config, "configuration (TOML)");
+  sub->add_option("--set", training.assignments, "key=value, overrides the configuration");
+  sub->add_option("--seed", training.seed, "overrides the configuration's seed");
+  sub->add_option("--out", training.out, "run file to write (default NAME-seedN.h5)");
+  sub->add_option("--resume", training.resume, "go on from the last round of this run file");
+  sub->callback([&] {
+    if (training.config.empty() == training.resume.empty()) {
+      s2nnds::fail("train: expected either a configuration or --resume RUN.h5");
+    }
+    code = train(training, common);
+  });
+
+  VerifyArguments verification;
+  sub = command("verify", "check the networks of a stored run");
+  sub->add_option("run", verification.run, "run file")->required();
+  sub->add_option("--method", verification.method, "sampled or conformal")
+      ->check(CLI::IsMember({"sampled", "conformal"}));
+  sub->add_option("--samples", verification.samples, "samples a region");
+  sub->add_option("--epsilon", verification.epsilon, "conformal: share of a region that may be violated");
+  sub->add_option("--beta", verification.beta, "conformal: one minus the confidence");
+  sub->callback([&] { code = verify(verification, common); });
+
+  EvaluateArguments evaluation;
+  sub = command("evaluate", "measure errors and safe areas of a stored run");
+  sub->add_option("run", evaluation.run, "run file")->required();
+  sub->callback([&] { code = evaluate(evaluation, common); });
+
+  ExportArguments policy;
+  sub = command("export", "write the policy of a stored run");
+  sub->add_option("run", policy.run, "run file")->required();
+  sub->add_option("--format", policy.format, "torchscript")->check(CLI::IsMember({"torchscript"}));
+  sub->add_option("--out", policy.out, "file to write (default RUN.pt)");
+  sub->callback([&] { code = export_policy(policy, common); });
+
+  PlotArguments figures;
+  sub = command("plot", "draw the figures of a stored run");
+  sub->add_option("run", figures.run, "run file")->required();
+  sub->add_option("--out", figures.out, "folder for the figures (default RUN-figures)");
+  sub->callback([&] { code = plot(figures); });
+
+  std::string path;
+  sub = command("info", "say what a run file holds");
+  sub->add_option("run", path, "run file")->required();
+  sub->callback([&] { code = info(path, common); });
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    fmt::print(stderr, "s2nnds: {}\n", e.what());
+    return kBadInput;
+  }
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a full disk is then an error of the write, which is reported
+  try {
+    return run(argc, argv);
+  } catch (const s2nnds::Error& e) {
+    fmt::print(stderr, "s2nnds: {}\n", e.what());
+    return kBadInput;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "s2nnds: internal failure: {}\n", e.what());
+    return kInternalFailure;
+  }
+}

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "s2nnds/networks/layer_stack.h"
+
+namespace s2nnds {
+
+// What an exported policy carries besides its networks.
+struct PolicyInfo {
+  std::string name;
+  double position_scale = 1.0;  // positions in the data's unit / position_scale = normalised
+  double velocity_scale = 1.0;  // normalised velocity * velocity_scale = data's unit per second
+  std::string unit;
+  std::string guarantee;
+  std::string statement;
+  Vector workspace_lower, workspace_upper;  // [n] normalised
+};
+
+// Writes a TorchScript module (loads with torch.jit.load and torch::jit::load):
+//   forward(x):  positions [N, n] in the data's unit, goal-centred -> velocities [N, n] in that unit per
+//   second lyapunov(x), barrier(x) [N] and safe(x) [N] (bool: B <= 0 and inside the workspace) on the same
+//   positions attributes position_scale, velocity_scale, unit, dimension, guarantee, statement, weight_hash,
+//   name, workspace (lower corner, then upper corner, in the data's unit).
+// Weights are float32, as they were trained; module.double() evaluates in double. The file is written beside
+// `path` and renamed. Throws Error if it cannot be written.
+void export_torchscript(const Networks& networks, const PolicyInfo& info, const std::string& path);
+
+}  // namespace s2nnds

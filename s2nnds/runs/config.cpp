@@ -1,0 +1,76 @@
+#include "s2nnds/runs/config.h"
+
+#include <fstream>
+#include <sstream>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+// Reads nothing but the profile, whose defaults the other keys start from.
+struct ProfileOnly {
+  std::string profile = "robust";
+  void visit(FieldVisitor& v) {
+    Config rest;
+    rest.visit(v);
+    profile = rest.profile;
+  }
+};
+
+}  // namespace
+
+void VerificationOptions::visit(FieldVisitor& v) {
+  v.field("method", method, {"sampled", "conformal"});
+  v.group("sampled", sampled);
+  v.group("conformal", conformal);
+}
+
+void EvaluationOptions::visit(FieldVisitor& v) {
+  v.group("rollout", rollout);
+  v.field("area_cells", area_cells, between(0, 2000));
+  v.field("grid_points", grid_points, between(3, 1001));
+}
+
+void Config::visit(FieldVisitor& v) {
+  v.field("name", name);
+  v.field("profile", profile, {"robust", "paper"});
+  v.field("seed", seed, at_least(0));
+  v.group("data", data);
+  v.group("problem", problem);
+  v.group("networks", networks);
+  v.group("training", training);
+  v.group("verification", verification);
+  v.group("evaluation", evaluation);
+}
+
+Config default_config(const std::string& profile) {
+  Config config;
+  config.profile = profile;
+  if (profile == "robust") return config;
+  check(profile == "paper", "profile: found \"{}\", expected robust or paper", profile);
+  config.problem.workspace = 1.0;
+  config.problem.contain = false;
+  config.networks = paper_networks();
+  config.training = paper_training();
+  return config;
+}
+
+Config parse_config(const std::string& text, const std::string& source) {
+  ProfileOnly chosen;
+  read_toml(text, source, chosen);
+  Config config = default_config(chosen.profile);
+  read_toml(text, source, config);
+  return config;
+}
+
+std::string read_config_text(const std::string& path, const std::vector<std::string>& assignments) {
+  std::ifstream file(path);
+  check(file.good(), "{}: cannot read it; expected a configuration file (TOML)", path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  check(!file.bad(), "{}: cannot read it", path);
+  return with_overrides(text.str(), path, assignments);
+}
+
+}  // namespace s2nnds

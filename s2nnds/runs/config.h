@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "s2nnds/data/readers.h"
+#include "s2nnds/evaluation/rollout.h"
+#include "s2nnds/networks/network_options.h"
+#include "s2nnds/problem/safety_problem.h"
+#include "s2nnds/training/trainer_options.h"
+#include "s2nnds/verification/conformal.h"
+
+namespace s2nnds {
+
+struct VerificationOptions {
+  std::string method = "conformal";  // what `train` ends with: sampled, conformal
+  SampledOptions sampled;
+  ConformalOptions conformal;
+
+  void visit(FieldVisitor& v);
+};
+
+struct EvaluationOptions {
+  RolloutOptions rollout;
+  std::int64_t area_cells = 0;     // cells a side of the safe-area grid; 0: 200 in 2-D, 40 in 3-D
+  std::int64_t grid_points = 161;  // points a side of the grid stored for figures (2-D; 41 in 3-D)
+
+  void visit(FieldVisitor& v);
+};
+
+// Everything that determines a run: what a TOML file and the command line say, with a default beside every
+// field.
+struct Config {
+  std::string name = "motion";
+  std::string profile = "robust";  // robust, paper: the defaults of networks and training
+  std::int64_t seed = 0;
+  DataOptions data;
+  ProblemOptions problem;
+  NetworkOptions networks;
+  TrainerOptions training;
+  VerificationOptions verification;
+  EvaluationOptions evaluation;
+
+  void visit(FieldVisitor& v);
+};
+
+// The defaults of a profile. Throws Error on an unknown one.
+Config default_config(const std::string& profile);
+
+// Reads TOML `text`; `source` names it in messages. Throws Error as read_toml does.
+Config parse_config(const std::string& text, const std::string& source);
+
+// The text of a configuration file with "a.b.c=value" assignments applied. Throws Error if it cannot be read.
+std::string read_config_text(const std::string& path, const std::vector<std::string>& assignments);
+
+}  // namespace s2nnds

@@ -1,0 +1,313 @@
+#include "s2nnds/runs/pipeline.h"
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/evaluation/safe_area.h"
+#include "s2nnds/evaluation/trajectory_metrics.h"
+#include "s2nnds/networks/evaluator.h"
+#include "s2nnds/runs/training_checkpoint.h"
+#include "s2nnds/training/falsifier.h"
+
+namespace s2nnds {
+namespace {
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+void set_timing(RunRecord& record, const std::string& name, double seconds) {
+  for (auto& [known, value] : record.timing) {
+    if (known == name) {
+      value = seconds;
+      return;
+    }
+  }
+  record.timing.emplace_back(name, seconds);
+}
+
+// Every condition that has a verdict of this method passed, and there is at least one.
+bool passed(const Certificate& certificate, const std::string& method) {
+  bool any = false;
+  for (const ConditionVerdict& verdict : certificate.conditions) {
+    if (verdict.method != method) continue;
+    any = true;
+    if (verdict.verdict != "passed") return false;
+  }
+  return any;
+}
+
+Points grid_points(const std::vector<Vector>& axes) {
+  Eigen::Index total = 1;
+  for (const Vector& axis : axes) total *= axis.size();
+  Points x(total, static_cast<Eigen::Index>(axes.size()));
+  for (Eigen::Index i = 0; i < total; ++i) {
+    Eigen::Index rest = i;
+    for (Eigen::Index k = x.cols() - 1; k >= 0; --k) {
+      x(i, k) = axes[k][rest % axes[k].size()];
+      rest /= axes[k].size();
+    }
+  }
+  return x;
+}
+
+Grid make_grid(const Setup& setup, const Networks& networks) {
+  const Eigen::Index n = setup.problem.dimension();
+  const Eigen::Index side = n == 2 ? setup.config.evaluation.grid_points
+                                   : std::min<Eigen::Index>(41, setup.config.evaluation.grid_points);
+  Grid grid;
+  const Box& x = setup.problem.workspace;
+  for (Eigen::Index k = 0; k < n; ++k) grid.axes.push_back(Vector::LinSpaced(side, x.lower[k], x.upper[k]));
+  const Points points = grid_points(grid.axes);
+  grid.unsafe = setup.problem.unsafe->level(points);
+  grid.initial = setup.problem.initial->level(points);
+  grid.V = networks.V.value(points);
+  grid.B = networks.B.value(points);
+  grid.velocity = networks.f.value(points);
+  return grid;
+}
+
+std::vector<StoredRollout> make_rollouts(const Setup& setup, const LayerStack& f) {
+  std::vector<StoredRollout> rollouts;
+  const auto add = [&](const std::vector<Demonstration>& demonstrations, const std::string& kind) {
+    for (const Demonstration& d : demonstrations) {
+      const Rollout rollout =
+          roll_out(f, setup.problem, d.position.row(0).transpose(), setup.config.evaluation.rollout);
+      rollouts.push_back({kind, std::string(to_string(rollout.stop)), rollout.time, rollout.position});
+    }
+  };
+  add(setup.train(), "train");
+  add(setup.test(), "test");
+  return rollouts;
+}
+
+std::string number(double value) { return fmt::format("{:.4g}", value); }
+
+}  // namespace
+
+Setup set_up(const Config& config, const std::string& data_dir) {
+  Setup setup;
+  setup.config = config;
+  setup.raw = read_demonstrations(config.data, data_dir);
+  setup.normalization = find_normalization(config.data.normalization, setup.raw.demonstrations);
+  setup.demonstrations = normalize(setup.raw.demonstrations, setup.normalization);
+  setup.split = split_demonstrations(setup.demonstrations.size(), config.data.test);
+  setup.problem = make_problem(config.problem, setup.demonstrations, data_dir);
+  return setup;
+}
+
+Setup set_up(const RunRecord& record, const std::string& data_dir) {
+  Setup setup;
+  setup.config = parse_config(record.config.resolved, "the run's configuration");
+  setup.normalization = record.data.normalization;
+  setup.split = record.data.split;
+  setup.demonstrations = record.data.normalized();
+  setup.problem = make_problem(setup.config.problem, setup.demonstrations, data_dir);
+  return setup;
+}
+
+RunRecord new_record(const Setup& setup, const std::string& text) {
+  RunRecord record;
+  record.program_version = program_version();
+  record.library_versions = library_versions();
+  record.created = time_stamp();
+  record.name = setup.config.name;
+  record.seed = setup.config.seed;
+  record.config = {text, to_toml(setup.config), flatten(setup.config)};
+  record.data.unit = setup.raw.unit;
+  record.data.dimension = setup.problem.dimension();
+  record.data.normalization = setup.normalization;
+  record.data.split = setup.split;
+  record.data.demonstrations = setup.demonstrations;
+  for (std::size_t k = 0; k < record.data.demonstrations.size(); ++k) {
+    record.data.demonstrations[k].time = setup.raw.demonstrations[k].time;
+  }
+  record.problem = {setup.problem.unsafe->describe(), setup.problem.initial->describe(),
+                    setup.problem.shell ? setup.problem.containment : 0.0, setup.config.training.band,
+                    setup.problem.workspace};
+  return record;
+}
+
+TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks& hooks) {
+  const Config& config = setup.config;
+  Trainer trainer(setup.problem, setup.train(), config.networks, config.training, config.seed);
+  const FalsifierOptions search{config.training.samples, config.training.pool_additions};
+  trainer.add_source(std::make_shared<RandomFalsifier>(setup.problem, search));
+  trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
+  trainer.set_rollout_labels(
+      [&](const LayerStack& f, const Points& starts) { return rollout_is_safe(f, setup.problem, starts); });
+  double before = 0.0;
+  if (record.checkpoint) {
+    const TrainerState state = to_trainer_state(record);
+    before = state.history.empty() ? 0.0 : state.history.back().seconds;
+    trainer.restore(state);
+  }
+  trainer.on_round([&](const RoundSummary& row, const Trainer& current) {
+    TrainerState state = current.state();
+    state.history.back().seconds += before;
+    store_trainer_state(state, record);
+    if (hooks.progress) hooks.progress(state.history.back());
+    if (hooks.checkpoint) hooks.checkpoint(record);
+    return std::isfinite(row.loss);
+  });
+  TrainerSummary summary = trainer.run();
+  TrainerState state = trainer.state();
+  summary.seconds += before;
+  record.checkpoint->finished = true;
+  set_timing(record, "training", summary.seconds);
+  record.certificate = {};
+  record.certificate.weight_hash = weight_hash(record.networks);
+  record.certificate.band = config.training.band;
+  return summary;
+}
+
+void verify(const Setup& setup, RunRecord& record, const std::string& method,
+            const VerificationOptions& options) {
+  const Stopwatch watch;
+  Certificate& certificate = record.certificate;
+  const std::string hash = weight_hash(record.networks);
+  if (certificate.weight_hash != hash) {
+    check(certificate.weight_hash.empty(), "certificate: it speaks of weights with hash {}, the run holds {}",
+          certificate.weight_hash, hash);
+    certificate.weight_hash = hash;
+  }
+  certificate.band = setup.config.training.band;
+  std::vector<ConditionVerdict> verdicts;
+  if (method == "sampled") {
+    verdicts = verify_sampled(record.networks, setup.problem, certificate.band, options.sampled, record.seed);
+  } else {
+    check(method == "conformal", "verification: found method \"{}\", expected sampled or conformal", method);
+    verdicts = verify_conformal(record.networks, setup.problem, certificate.band, options.conformal,
+                                record.seed, certificate.attempts + 1);
+    ++certificate.attempts;
+  }
+  std::erase_if(certificate.conditions, [&](const ConditionVerdict& old) { return old.method == method; });
+  certificate.conditions.insert(certificate.conditions.end(), verdicts.begin(), verdicts.end());
+  certificate.method = method;
+  certificate.guarantee = std::string(to_string(passed(certificate, "conformal") ? Guarantee::conformal
+                                                : passed(certificate, "sampled") ? Guarantee::sampled
+                                                                                 : Guarantee::none));
+  certificate.statement = guarantee_statement(record);
+  set_timing(record, "verification_" + method, watch.seconds());
+}
+
+void evaluate(const Setup& setup, RunRecord& record) {
+  const Stopwatch watch;
+  const Networks& networks = record.networks;
+  const RolloutOptions& rollout = setup.config.evaluation.rollout;
+  const MotionErrors train_errors = motion_errors(networks.f, setup.train(), rollout);
+  EvaluationSummary summary;
+  summary.mse_train = train_errors.mse;
+  summary.sd_train = train_errors.sd;
+  if (!setup.split.test.empty()) {
+    const MotionErrors test = motion_errors(networks.f, setup.test(), rollout);
+    summary.mse_test = test.mse;
+    summary.sd_test = test.sd;
+    summary.dtw_test = test.dtw;
+    summary.dtw_independent_test = test.dtw_independent;
+  }
+  const SafeArea area =
+      measure_safe_area(networks, setup.problem, static_cast<int>(setup.config.evaluation.area_cells));
+  summary.safe_area = area.safe_area;
+  summary.true_safe_area = area.true_safe_area;
+  summary.safe_area_ratio = area.ratio();
+  record.evaluation = summary;
+  record.rollouts = make_rollouts(setup, networks.f);
+  record.grid.reset();
+  if (setup.problem.dimension() <= 3) record.grid = make_grid(setup, networks);
+  set_timing(record, "evaluation", watch.seconds());
+}
+
+std::string guarantee_statement(const RunRecord& record) {
+  const Certificate& certificate = record.certificate;
+  const std::string caveat =
+      " It speaks of the kinematic motion xdot = f(x) in normalised, goal-centred coordinates, not of a "
+      "robot's tracking "
+      "error.";
+  if (certificate.guarantee == "none") {
+    return "Nothing is guaranteed: a condition was violated at a sampled point, or nothing was checked.";
+  }
+  std::int64_t samples = 0, attempt = 0;
+  double epsilon = 0.0, confidence = 0.0;
+  const std::string method = certificate.guarantee;
+  for (const ConditionVerdict& verdict : certificate.conditions) {
+    if (verdict.method != method) continue;
+    samples = std::max(samples, verdict.samples);
+    epsilon = std::max(epsilon, verdict.epsilon);
+    confidence += verdict.beta;
+    attempt = std::max(attempt, verdict.attempt);
+  }
+  if (method == "sampled") {
+    return fmt::format(
+               "No violation of any condition was found among {} uniform samples of the workspace (fewer in "
+               "the smaller "
+               "regions), seed {}. That is no statement about the points between them.",
+               samples, record.seed) +
+           caveat;
+  }
+  return fmt::format(
+             "With confidence 1 - {} (attempt {}, {} fresh samples a region, seed {}), each condition holds "
+             "on all but a share "
+             "of at most epsilon = {} of its region: V decreases along motions in the workspace, B <= 0 on "
+             "the initial set, B "
+             "> 0 on the unsafe set{}, and B decreases where |B| <= {}. This is a statement about random "
+             "points, one at a "
+             "time; a violation on a smaller set is not excluded, so it does not prove that every motion is "
+             "safe.",
+             number(confidence), attempt, samples, record.seed, number(epsilon),
+             record.problem.containment > 0 ? " and on the workspace's outer shell" : "",
+             number(certificate.band)) +
+         caveat;
+}
+
+std::string summary_json(const RunRecord& record, const std::string& path) {
+  using nlohmann::ordered_json;
+  const auto real = [](double value) {
+    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+  };
+  ordered_json json;
+  json["name"] = record.name;
+  json["seed"] = record.seed;
+  json["guarantee"] = record.certificate.guarantee;
+  json["conditions"] = ordered_json::object();
+  for (const ConditionVerdict& verdict : record.certificate.conditions) {
+    ordered_json& entry = json["conditions"][verdict.condition][verdict.method];
+    entry = {{"verdict", verdict.verdict}, {"samples", verdict.samples}, {"violations", verdict.violations}};
+    entry["worst"] = real(verdict.worst);
+    if (verdict.method == "conformal") {
+      entry["p"] = real(verdict.quantile);
+      entry["l"] = verdict.order;
+      entry["epsilon"] = verdict.epsilon;
+      entry["beta"] = verdict.beta;
+      entry["attempt"] = verdict.attempt;
+      entry["tightest_epsilon"] = verdict.tightest_epsilon;
+    }
+  }
+  json["seconds"] = ordered_json::object();
+  for (const auto& [name, seconds] : record.timing) json["seconds"][name] = seconds;
+  EvaluationSummary e = record.evaluation;
+  json["mse_train"] = real(e.mse_train);
+  json["mse_test"] = real(e.mse_test);
+  json["sd_train"] = real(e.sd_train);
+  json["sd_test"] = real(e.sd_test);
+  json["dtw_test"] = real(e.dtw_test);
+  json["dtw_independent_test"] = real(e.dtw_independent_test);
+  json["safe_area"] = real(e.safe_area);
+  json["true_safe_area"] = real(e.true_safe_area);
+  json["safe_area_ratio"] = real(e.safe_area_ratio);
+  json["rounds"] = record.checkpoint ? record.checkpoint->round : 0;
+  json["weight_hash"] = record.certificate.weight_hash;
+  json["statement"] = record.certificate.statement;
+  json["run"] = path;
+  return json.dump();
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,104 @@
+#include "s2nnds/training/losses.h"
+
+#include "s2nnds/conditions/lie_derivative.h"
+
+namespace s2nnds {
+namespace {
+
+// What the loss is made of: the networks on the batch, f in one pass and B's values in one pass.
+struct Outputs {
+  torch::Tensor velocity;                       // f on the demonstrations
+  LieDerivative V, B;                           // on the workspace samples
+  torch::Tensor initial, unsafe, safe, doomed;  // B there; undefined where there are none
+};
+
+Outputs evaluate(Modules& networks, const BatchTensors& batch) {
+  Outputs out;
+  const torch::Tensor moved = networks.f(torch::cat({batch.position, batch.workspace}));
+  out.velocity = moved.narrow(0, 0, batch.position.size(0));
+  const torch::Tensor direction = moved.narrow(0, batch.position.size(0), batch.workspace.size(0));
+  out.V = lie_derivative(networks.V, batch.workspace, direction);
+  out.B = lie_derivative(networks.B, batch.workspace, direction);
+
+  std::vector<torch::Tensor> points;
+  std::vector<torch::Tensor*> results;
+  const auto ask = [&](const torch::Tensor& x, torch::Tensor& result) {
+    if (!x.defined() || x.size(0) == 0) return;
+    points.push_back(x);
+    results.push_back(&result);
+  };
+  ask(batch.initial, out.initial);
+  ask(batch.unsafe, out.unsafe);
+  ask(batch.safe, out.safe);
+  ask(batch.doomed, out.doomed);
+  if (points.empty()) return out;
+  const torch::Tensor values = networks.B(torch::cat(points));
+  std::int64_t at = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    *results[i] = values.narrow(0, at, points[i].size(0));
+    at += points[i].size(0);
+  }
+  return out;
+}
+
+// The mean of `values`, or zero where there are none.
+torch::Tensor mean_or_zero(const torch::Tensor& values, const torch::Tensor& like) {
+  return values.defined() ? values.mean() : torch::zeros({}, like.options());
+}
+template <typename Penalty>
+torch::Tensor mean_penalty(const torch::Tensor& values, const torch::Tensor& like, Penalty penalty) {
+  return mean_or_zero(values.defined() ? penalty(values) : torch::Tensor(), like);
+}
+
+void robust_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
+  const torch::Tensor& like = out.velocity;
+  const torch::Tensor q = out.V.derivative / (out.V.value + 1e-6) + o.kappa;
+  terms.lyapunov = o.lyapunov * torch::log1p(torch::relu(q)).mean();
+  const auto below = [&](double margin) {
+    return [=](const torch::Tensor& b) { return torch::relu(b + margin); };
+  };
+  const auto above_zero = [&](double margin) {
+    return [=](const torch::Tensor& b) { return torch::relu(margin - b); };
+  };
+  terms.separation = o.separation * (mean_penalty(out.initial, like, below(o.margin_initial)) +
+                                     mean_penalty(out.unsafe, like, above_zero(o.margin_unsafe)));
+  const torch::Tensor weight = torch::exp(-(out.B.value.detach() / o.band_width).square());
+  terms.band = o.band * (weight * torch::relu(out.B.derivative + o.margin_band)).mean();
+  terms.labels = o.labels * (mean_penalty(out.safe, like, below(o.margin_label)) +
+                             mean_penalty(out.doomed, like, above_zero(o.margin_label)));
+}
+
+void paper_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
+  const torch::Tensor& like = out.velocity;
+  const auto leaky = [&](const torch::Tensor& z) { return torch::leaky_relu(z, o.leak); };
+  terms.lyapunov =
+      o.lyapunov *
+      (leaky(o.margin_positive - out.V.value) + leaky(out.V.derivative - o.margin_decrease)).mean();
+  terms.separation =
+      o.separation *
+      (mean_penalty(out.initial, like, [&](const torch::Tensor& b) { return leaky(b + o.margin_initial); }) +
+       mean_penalty(out.unsafe, like, [&](const torch::Tensor& b) { return leaky(o.margin_unsafe - b); }));
+  terms.band = o.band * leaky(out.B.derivative - o.margin_band).mean();
+  terms.labels = torch::zeros({}, like.options());
+}
+
+}  // namespace
+
+torch::Tensor imitation_loss(const torch::Tensor& predicted, const torch::Tensor& velocity) {
+  return (predicted - velocity).square().sum(1).mean();
+}
+
+LossTerms joint_loss(Modules& networks, const BatchTensors& batch, const LossOptions& options) {
+  const Outputs out = evaluate(networks, batch);
+  LossTerms terms;
+  terms.mse = imitation_loss(out.velocity, batch.velocity);
+  if (options.kind == "paper") {
+    paper_terms(out, options, terms);
+  } else {
+    robust_terms(out, options, terms);
+  }
+  terms.total = options.mse * terms.mse + terms.lyapunov + terms.separation + terms.band + terms.labels;
+  return terms;
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,229 @@
+#include "s2nnds/training/trainer.h"
+
+#include <torch/torch.h>
+
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/training/losses.h"
+#include "s2nnds/training/warm_start.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr std::int64_t kBandCandidates = 20000;  // points among which those near {B = 0} are sought
+
+torch::Tensor tensor(const Points& points) {
+  return torch::from_blob(const_cast<double*>(points.data()), {points.rows(), points.cols()}, torch::kFloat64)
+      .to(torch::kFloat32);
+}
+
+BatchTensors tensors(const Batch& batch) {
+  return {tensor(batch.position), tensor(batch.velocity), tensor(batch.workspace), tensor(batch.initial),
+          tensor(batch.unsafe),   tensor(batch.safe),     tensor(batch.doomed)};
+}
+
+// AdamW without decay is Adam; each round starts afresh, so that a checkpoint needs no optimiser state.
+torch::optim::AdamW adam(const torch::nn::Module& network, double rate) {
+  return torch::optim::AdamW(network.parameters(), torch::optim::AdamWOptions(rate).weight_decay(0.0));
+}
+
+}  // namespace
+
+std::int64_t RoundSummary::counterexamples() const {
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+}
+
+class Trainer::Impl {
+ public:
+  Impl(const SafetyProblem& problem, std::vector<Demonstration> demonstrations,
+       const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed)
+      : problem_(problem),
+        demonstrations_(std::move(demonstrations)),
+        network_options_(networks),
+        options_(options),
+        seed_(seed),
+        sampler_(problem, demonstrations_, options.batch, options.keep_clear) {
+    RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
+    modules_.f = make_field(1);
+    modules_.V = Lyapunov(problem.dimension(), networks.V, start_v);
+    modules_.B = Barrier(problem.dimension(), networks.B, start_b);
+    set_engine();
+  }
+
+  TrainerSummary run(const Trainer& owner) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto seconds = [&] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    TrainerSummary summary;
+    summary.left_out_samples = sampler_.left_out_samples();
+    if (history_.empty()) {
+      RoundSummary row;
+      const WarmStartSummary warm = warm_up();
+      row.mse = warm.mse;
+      row.seconds = seconds();
+      summary.warm_start_mse = warm.mse;
+      summary.warm_start_attempt = warm.attempt;
+      summary.stopped = !report(row, owner);
+    }
+    while (!summary.stopped && !finished()) {
+      RoundSummary row = train_round(static_cast<std::int64_t>(history_.size()));
+      search(row);
+      row.seconds = seconds();
+      summary.stopped = !report(row, owner);
+    }
+    summary.rounds = history_.back().round;
+    summary.clean = history_.back().clean();
+    summary.seconds = seconds();
+    return summary;
+  }
+
+  bool finished() const {
+    const RoundSummary& last = history_.back();
+    return last.round >= options_.rounds || (last.round >= options_.min_rounds && last.clean());
+  }
+
+  Networks networks() const {
+    return {modules_.f->snapshot(), modules_.V->snapshot(), modules_.B->snapshot()};
+  }
+
+  TrainerState state() const { return {networks(), sampler_.pools(), history_}; }
+
+  void restore(const TrainerState& state) {
+    for (std::size_t k = 0; k < state.history.size(); ++k) {
+      check(state.history[k].round == static_cast<std::int64_t>(k),
+            "trainer: history row {} is of round {}, expected {}", k, state.history[k].round, k);
+    }
+    modules_.f->restore(state.networks.f);
+    modules_.V->restore(state.networks.V);
+    modules_.B->restore(state.networks.B);
+    sampler_.set_pools(state.pools);
+    history_ = state.history;
+  }
+
+  std::vector<std::shared_ptr<CounterexampleSource>> sources;
+  RolloutLabels labels;
+  std::function<bool(const RoundSummary&, const Trainer&)> callback;
+
+ private:
+  VectorField make_field(std::int64_t attempt) const {
+    RandomStream start(seed_, "start/f", attempt);
+    VectorField f(problem_.dimension(), network_options_.f, start);
+    f->network->engine = engine_from(options_.engine);
+    return f;
+  }
+
+  void set_engine() {
+    const Engine engine = engine_from(options_.engine);
+    modules_.f->network->engine = modules_.V->network->engine = modules_.B->network->engine = engine;
+  }
+
+  bool report(const RoundSummary& row, const Trainer& owner) {
+    history_.push_back(row);
+    return !callback || callback(row, owner);
+  }
+
+  WarmStartSummary warm_up() {
+    const torch::Tensor position = tensor(sampler_.position()), velocity = tensor(sampler_.velocity());
+    return warm_start(modules_.f, position, velocity, options_.warm_start, seed_,
+                      [&](std::int64_t attempt) { return make_field(attempt); });
+  }
+
+  RoundSummary train_round(std::int64_t round) {
+    RoundSummary row;
+    row.round = round;
+    label(row);
+    const double factor = std::max(options_.rate_floor, std::pow(options_.rate_decay, round - 1));
+    torch::optim::AdamW optimizers[] = {adam(*modules_.f, options_.rate_f * factor),
+                                        adam(*modules_.V, options_.rate_certificates * factor),
+                                        adam(*modules_.B, options_.rate_certificates * factor)};
+    RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
+    for (std::int64_t step = 0; step < options_.steps; ++step) {
+      if (step % options_.batch.band_refresh == 0) seek_band(candidates);
+      const LossTerms terms = joint_loss(modules_, tensors(sampler_.draw(random)), options_.loss);
+      for (auto& optimizer : optimizers) optimizer.zero_grad();
+      terms.total.backward();
+      for (auto& optimizer : optimizers) {
+        torch::nn::utils::clip_grad_norm_(optimizer.param_groups()[0].params(), options_.clip);
+        optimizer.step();
+      }
+      const double share = 1.0 / static_cast<double>(options_.steps);
+      row.loss += share * terms.total.item<double>();
+      row.mse += share * terms.mse.item<double>();
+      row.lyapunov += share * terms.lyapunov.item<double>();
+      row.separation += share * terms.separation.item<double>();
+      row.band += share * terms.band.item<double>();
+      row.labels += share * terms.labels.item<double>();
+    }
+    return row;
+  }
+
+  // Rollout labels of fresh points under the f that the round starts with.
+  void label(RoundSummary& row) {
+    if (!labels || options_.label_points == 0 || options_.loss.kind == "paper") return;
+    RandomStream random(seed_, "labels", row.round);
+    const Points starts = sampler_.uniform(options_.label_points, random);
+    const std::vector<bool> is_safe = labels(modules_.f->snapshot(), starts);
+    std::vector<Eigen::Index> safe, doomed;
+    for (Eigen::Index i = 0; i < starts.rows(); ++i) (is_safe[i] ? safe : doomed).push_back(i);
+    row.safe_share = static_cast<double>(safe.size()) / static_cast<double>(starts.rows());
+    sampler_.set_labels(starts(safe, Eigen::all), starts(doomed, Eigen::all));
+  }
+
+  void seek_band(RandomStream& random) {
+    if (options_.batch.share_band == 0.0) return;
+    const Points candidates = sampler_.uniform(kBandCandidates, random);
+    torch::NoGradGuard no_grad;
+    const torch::Tensor value = modules_.B(tensor(candidates));
+    const float* b = value.data_ptr<float>();
+    std::vector<Eigen::Index> near;
+    for (Eigen::Index i = 0; i < candidates.rows(); ++i) {
+      if (std::abs(b[i]) < options_.batch.band_near) near.push_back(i);
+    }
+    sampler_.set_near_band(candidates(near, Eigen::all));
+  }
+
+  void search(RoundSummary& row) {
+    const Networks current = networks();
+    for (const auto& source : sources) {
+      if (source->only_when_clean() && row.counterexamples() > 0) continue;
+      const Counterexamples found = source->find(current, problem_, options_.band, seed_, row.round);
+      if (found.total() > 0 && row.source.empty()) row.source = source->name();
+      for (std::size_t q = 0; q < row.counts.size(); ++q) row.counts[q] += found.counts[q];
+      sampler_.add(found, options_.pool_additions, options_.pool_capacity);
+    }
+    const CounterexamplePools& pools = sampler_.pools();
+    row.pool = pools.workspace.rows() + pools.initial.rows() + pools.unsafe.rows();
+  }
+
+  const SafetyProblem& problem_;
+  std::vector<Demonstration> demonstrations_;
+  NetworkOptions network_options_;
+  TrainerOptions options_;
+  std::uint64_t seed_;
+  BatchSampler sampler_;
+  Modules modules_;
+  std::vector<RoundSummary> history_;
+};
+
+Trainer::Trainer(const SafetyProblem& problem, std::vector<Demonstration> demonstrations,
+                 const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed)
+    : impl_(std::make_unique<Impl>(problem, std::move(demonstrations), networks, options, seed)) {}
+Trainer::~Trainer() = default;
+
+void Trainer::add_source(std::shared_ptr<CounterexampleSource> source) {
+  impl_->sources.push_back(std::move(source));
+}
+void Trainer::set_rollout_labels(RolloutLabels labels) { impl_->labels = std::move(labels); }
+void Trainer::on_round(std::function<bool(const RoundSummary&, const Trainer&)> callback) {
+  impl_->callback = std::move(callback);
+}
+TrainerSummary Trainer::run() { return impl_->run(*this); }
+TrainerState Trainer::state() const { return impl_->state(); }
+void Trainer::restore(const TrainerState& state) { impl_->restore(state); }
+Networks Trainer::networks() const { return impl_->networks(); }
+
+}  // namespace s2nnds

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "s2nnds/networks/network_options.h"
+#include "s2nnds/training/batch_sampler.h"
+#include "s2nnds/training/counterexample.h"
+#include "s2nnds/training/trainer_options.h"
+
+namespace s2nnds {
+
+// One row of the history: a round of joint training and the search for counterexamples after it.
+struct RoundSummary {
+  std::int64_t round = 0;  // from 1; 0 is the warm start
+  double loss = 0.0;       // means over the round's steps
+  double mse = 0.0;
+  double lyapunov = 0.0;
+  double separation = 0.0;
+  double band = 0.0;
+  double labels = 0.0;
+  std::array<std::int64_t, condition_count> counts{};  // counterexamples found, by condition
+  std::int64_t pool = 0;                               // counterexamples kept for training
+  double safe_share = 0.0;                             // of the label points, those with safe rollouts
+  double seconds = 0.0;                                // since the start of this process's training
+  std::string source;  // the source that found the counterexamples, empty if none did
+
+  std::int64_t counterexamples() const;
+  bool clean() const { return round > 0 && counterexamples() == 0; }
+};
+
+// All that training needs to go on as if it had never stopped; random streams are named by round, so they
+// need none.
+struct TrainerState {
+  Networks networks;
+  CounterexamplePools pools;
+  std::vector<RoundSummary> history;  // history[k].round == k
+};
+
+struct TrainerSummary {
+  bool clean = false;    // the last round ended without counterexamples from any source
+  bool stopped = false;  // a callback asked to stop
+  std::int64_t rounds = 0;
+  double warm_start_mse = 0.0;
+  std::int64_t warm_start_attempt = 1;
+  std::int64_t left_out_samples = 0;  // demonstration samples too near to the obstacle
+  double seconds = 0.0;
+};
+
+// Labels starts [N, n] by their rollouts under f: true where safe and reaching the goal.
+using RolloutLabels = std::function<std::vector<bool>(const LayerStack& f, const Points& starts)>;
+
+// The counterexample-guided loop (the paper's Algorithm 2): warm start of f, then rounds of joint training of
+// f, V and B, each followed by a search for counterexamples, until a round of at least min_rounds ends clean.
+class Trainer {
+ public:
+  // `demonstrations` are the training demonstrations, normalised. The problem must outlive the trainer.
+  Trainer(const SafetyProblem& problem, std::vector<Demonstration> demonstrations,
+          const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed);
+  ~Trainer();
+
+  void add_source(std::shared_ptr<CounterexampleSource> source);
+  void set_rollout_labels(RolloutLabels labels);
+  // Called after the warm start (round 0) and after every round; return false to stop.
+  void on_round(std::function<bool(const RoundSummary&, const Trainer&)> callback);
+
+  TrainerSummary run();  // from the current state
+  TrainerState state() const;
+  void restore(const TrainerState& state);  // throws Error if the networks do not fit
+  Networks networks() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace s2nnds

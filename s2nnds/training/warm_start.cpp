@@ -1,0 +1,57 @@
+#include "s2nnds/training/warm_start.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "s2nnds/core/random.h"
+#include "s2nnds/training/losses.h"
+
+namespace s2nnds {
+namespace {
+
+double full_mse(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity) {
+  torch::NoGradGuard no_grad;
+  return imitation_loss(f(position), velocity).item<double>();
+}
+
+void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
+         const WarmStartOptions& options, RandomStream random) {
+  torch::optim::AdamW optimizer(f->parameters(),
+                                torch::optim::AdamWOptions(options.rate).weight_decay(options.weight_decay));
+  auto& settings = static_cast<torch::optim::AdamWOptions&>(optimizer.param_groups()[0].options());
+  torch::Tensor rows = torch::empty({options.batch}, torch::kInt64);
+  const auto samples = static_cast<std::size_t>(position.size(0));
+  for (std::int64_t step = 0; step < options.steps; ++step) {
+    const double progress = static_cast<double>(step) / static_cast<double>(options.steps);
+    settings.lr(options.rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress)));
+    auto* row = rows.data_ptr<std::int64_t>();
+    for (std::int64_t i = 0; i < options.batch; ++i)
+      row[i] = static_cast<std::int64_t>(random.below(samples));
+    optimizer.zero_grad();
+    imitation_loss(f(position.index_select(0, rows)), velocity.index_select(0, rows)).backward();
+    torch::nn::utils::clip_grad_norm_(f->parameters(), options.clip);
+    optimizer.step();
+  }
+}
+
+}  // namespace
+
+WarmStartSummary warm_start(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
+                            const WarmStartOptions& options, std::uint64_t seed,
+                            const std::function<VectorField(std::int64_t)>& make) {
+  const double motion = velocity.square().sum(1).mean().item<double>();
+  WarmStartSummary best{.mse = std::numeric_limits<double>::infinity(), .stalled = true};
+  for (std::int64_t attempt = 1; attempt <= options.attempts && best.stalled; ++attempt) {
+    VectorField candidate = make(attempt);
+    fit(candidate, position, velocity, options, RandomStream(seed, "warm start/batches", attempt));
+    const double mse = full_mse(candidate, position, velocity);
+    const bool stalled = !(mse <= options.stalled * motion);
+    if (mse < best.mse || attempt == 1) {
+      best = {mse, attempt, stalled};
+      f = candidate;
+    }
+  }
+  return best;
+}
+
+}  // namespace s2nnds

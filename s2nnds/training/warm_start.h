@@ -1,0 +1,22 @@
+#pragma once
+
+#include <functional>
+
+#include "s2nnds/networks/vector_field.h"
+#include "s2nnds/training/trainer_options.h"
+
+namespace s2nnds {
+
+struct WarmStartSummary {
+  double mse = 0.0;          // over all samples, after the last step
+  std::int64_t attempt = 1;  // the start that was kept, from 1
+  bool stalled = false;      // every attempt stalled; the best was kept
+};
+
+// Fits f to (position, velocity) [N, n] alone: AdamW on the MSE with cosine decay. A start that stalls (see
+// WarmStartOptions) is drawn anew with `make`(attempt); the best one is returned in `f`.
+WarmStartSummary warm_start(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
+                            const WarmStartOptions& options, std::uint64_t seed,
+                            const std::function<VectorField(std::int64_t attempt)>& make);
+
+}  // namespace s2nnds
