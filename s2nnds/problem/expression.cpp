@@ -17,6 +17,7 @@ using Operation = ExpressionTree::Operation;
 // The front end recurses on the text's structure; beyond these bounds it could run out of stack.
 constexpr std::size_t kLongestText = 10000;
 constexpr int kDeepestNesting = 200;
+constexpr int kMostSigns = 2000;
 
 std::string excerpt(const std::string& text) {
   return text.size() <= 100 ? text : text.substr(0, 97) + "...";
@@ -31,18 +32,21 @@ std::string prepare(const std::string& text) {
         kLongestText);
   std::string prepared;
   int depth = 0;
-  int signs = 0;  // nested minus signs and powers without parentheses
+  int signs = 0;  // minus signs and powers nest without parentheses
+  char previous = ' ';
   for (char c : text) {
     check(allowed.find(c) != std::string::npos, "expression \"{}\": unexpected character '{}'", excerpt(text),
           c >= ' ' && c <= '~' ? std::string(1, c) : "outside ASCII");
     depth += (c == '(') - (c == ')');
-    signs += c == '-' || c == '^' || c == '*';
+    signs += c == '-' || c == '^' || (c == '*' && previous == '*');
+    previous = c;
     if (c == '^') {
       prepared += "**";
     } else {
       prepared += c == '\n' || c == '\r' || c == '\t' ? ' ' : c;
     }
-    check(depth <= kDeepestNesting && signs <= 2000, "expression \"{}\": nested too deeply", excerpt(text));
+    check(depth <= kDeepestNesting && signs <= kMostSigns, "expression \"{}\": nested too deeply",
+          excerpt(text));
   }
   return prepared + ' ';  // the front end loses a number at the very end of its text
 }
@@ -128,7 +132,6 @@ class Converter {
   int call(const jit::Apply& apply) {
     if (apply.callee().kind() != jit::TK_VAR) reject("only named functions can be called");
     const std::string function = jit::Var(apply.callee()).name().name();
-    if (apply.attributes().size() > 0) reject("{} takes no named arguments", function);
     if (function == "xi") return indexed_variable(apply);
     if (function == "max") return extremum(Operation::max, apply);
     if (function == "min") return extremum(Operation::min, apply);

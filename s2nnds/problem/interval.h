@@ -66,6 +66,8 @@ inline Interval operator-(const Interval& a, const Interval& b) { return a + (-b
 inline Interval operator*(const Interval& a, const Interval& b) {
   using interval_detail::product;
   if (!a.is_defined() || !b.is_defined()) return Interval::undefined();
+  if (a.lower == 0.0 && a.upper == 0.0) return a;
+  if (b.lower == 0.0 && b.upper == 0.0) return b;
   const double p = product(a.lower, b.lower), q = product(a.lower, b.upper);
   const double r = product(a.upper, b.lower), s = product(a.upper, b.upper);
   Interval result(next_down(std::min(std::min(p, q), std::min(r, s))),

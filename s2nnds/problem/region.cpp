@@ -254,14 +254,16 @@ class Complement final : public Region {
 
 }  // namespace
 
+// The messages are put together only when they are needed: describe() costs more than a level.
 Vector Region::level(const Points& x) const {
-  check(x.cols() == dimension(), "{}: points of dimension {}, expected {}", describe(), x.cols(),
-        dimension());
+  if (x.cols() != dimension()) {
+    fail("{}: points of dimension {}, expected {}", describe(), x.cols(), dimension());
+  }
   Vector result;
   evaluate(x, result);
   for (Eigen::Index k = 0; k < result.size(); ++k) {
-    check(!std::isnan(result[k]), "{}: the level is not a number at {}", describe(),
-          text(x.row(k).transpose()));
+    if (!std::isnan(result[k])) continue;
+    fail("{}: the level is not a number at {}", describe(), text(x.row(k).transpose()));
   }
   return result;
 }
@@ -269,8 +271,9 @@ Vector Region::level(const Points& x) const {
 bool Region::contains(const Eigen::Ref<const Vector>& x) const { return level(x.transpose())[0] <= 0.0; }
 
 Interval Region::enclosure(const Box& box) const {
-  check(box.dimension() == dimension(), "{}: box of dimension {}, expected {}", describe(), box.dimension(),
-        dimension());
+  if (box.dimension() != dimension()) {
+    fail("{}: box of dimension {}, expected {}", describe(), box.dimension(), dimension());
+  }
   // An infinite lower bound of +infinity (or the mirror image) holds no real point: nothing can be said of
   // it.
   const bool real =

@@ -101,7 +101,7 @@ void RegionSampler::draw(Points& candidates, std::vector<bool>& accepted, Random
 Points RegionSampler::sample(std::size_t count, RandomStream& random) const {
   check(!empty(), "region sampler: {} has no points within the box", region_->describe());
   Points samples(static_cast<Eigen::Index>(count), region_->dimension());
-  Points candidates(static_cast<Eigen::Index>(std::clamp<std::size_t>(count, 16, kBatch)),
+  Points candidates(static_cast<Eigen::Index>(std::clamp<std::size_t>(2 * count, 64, kBatch)),
                     region_->dimension());
   std::vector<bool> accepted(static_cast<std::size_t>(candidates.rows()));
   for (Eigen::Index filled = 0; filled < samples.rows();) {

@@ -6,8 +6,9 @@
 namespace s2nnds {
 
 at::Tensor Region::level(const at::Tensor& x) const {
-  check(x.defined() && x.dim() == 2 && x.size(1) == dimension() && x.is_floating_point(),
-        "{}: expected a floating-point tensor [N, {}]", describe(), dimension());
+  if (!x.defined() || x.dim() != 2 || x.size(1) != dimension() || !x.is_floating_point()) {
+    fail("{}: expected a floating-point tensor [N, {}]", describe(), dimension());
+  }
   const at::Tensor doubles = x.detach().to(at::kCPU, at::kDouble).contiguous();
   const Vector levels = level(Eigen::Map<const Points>(doubles.data_ptr<double>(), x.size(0), x.size(1)));
   at::Tensor result = at::empty({x.size(0)}, doubles.options());

@@ -30,11 +30,13 @@ void check_demonstrations_inside(const Box& workspace, const std::vector<Demonst
           "problem: demonstration {} is [{}, {}], expected dimension {}", k, position.rows(), position.cols(),
           workspace.dimension());
     for (Eigen::Index row = 0; row < position.rows(); ++row) {
-      check(workspace.contains(position.row(row).transpose()),
-            "problem: demonstration {} is at {} at sample {}, outside of the workspace: expected coordinates "
-            "of at "
-            "most {} (problem.workspace)",
-            k, text(position.row(row).transpose()), row, workspace.upper[0]);
+      const Vector x = position.row(row).transpose();
+      if (workspace.contains(x)) continue;
+      fail(
+          "problem: demonstration {} is at {} at sample {}, outside of the workspace: expected coordinates "
+          "of at "
+          "most {} (problem.workspace)",
+          k, text(x), row, workspace.upper[0]);
     }
   }
 }

@@ -29,7 +29,7 @@ struct ProblemOptions {
   // "auto": the box around the demonstrations' first points, grown by `padding`, clipped to [-1, 1]^n;
   // "ball_auto": the ball of `radius` around their mean; or any region.
   RegionOptions initial = {.type = "auto"};
-  RegionOptions unsafe;
+  RegionOptions unsafe = {};
 
   void visit(FieldVisitor& v);
 };
