@@ -96,7 +96,7 @@ Header read_header(std::string_view line, const std::string& where) {
   header.velocities = names.size() > 1 + header.dimension;
   for (std::size_t i = 1 + header.dimension; i < names.size(); ++i) {
     const std::size_t axis = i - 1 - header.dimension;
-    check(axis < header.dimension && names[i] == "d" + axis_name(axis, numbered),
+    check(axis < header.dimension && names[i] == fmt::format("d{}", axis_name(axis, numbered)),
           "{}: found column '{}' at place {}; expected the header {}", where, shown(names[i]), i + 1,
           kExpectedHeader);
   }
