@@ -109,6 +109,14 @@ TEST(Expression, MistakesAreNamed) {
   }
 }
 
+TEST(Expression, LongTextsWithinTheBoundsAreRead) {
+  EXPECT_DOUBLE_EQ(value(std::string(1900, '-') + "x", {3, 0}), 3);
+  EXPECT_DOUBLE_EQ(value(std::string(200, '(') + "x" + std::string(200, ')'), {3, 0}), 3);
+  std::string sum = "x";
+  for (int k = 1; k < 4000; ++k) sum += "+x";
+  EXPECT_DOUBLE_EQ(value(sum, {0.5, 0}), 2000);
+}
+
 TEST(Expression, EqualPartsAreSharedAndConstantsFolded) {
   const ExpressionTree tree = parse_expression("(x + y)*(x + y) + 2*3", 2);
   EXPECT_LE(tree.nodes().size(), 8u);

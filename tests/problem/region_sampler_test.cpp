@@ -48,12 +48,12 @@ TEST(RegionSampler, VolumesBracketTheTruth) {
 TEST(RegionSampler, TinyAndThinSetsAreSampled) {
   RandomStream random(2, "sampler");
   const RegionPtr tiny = ball(Vector{{0.123, -0.456}}, 1e-5);
-  const RegionPtr thin = expression("max(y - x - 1e-7, x - y)", 2);
+  const RegionPtr thin = expression("max(y - x - 1e-6, x - y)", 2);
   const RegionPtr tiny_3d = ball(Vector{{0.1, 0.2, 0.3}}, 1e-3);
   for (const RegionPtr& region : {tiny, thin, tiny_3d}) {
     const RegionSampler sampler(region, Box::cube(region->dimension(), 1.25));
     ASSERT_FALSE(sampler.empty()) << region->describe();
-    const Points x = sampler.sample(50, random);
+    const Points x = sampler.sample(20, random);
     EXPECT_LE(region->level(x).maxCoeff(), 0.0) << region->describe();
     EXPECT_GT((x.rowwise() - x.row(0)).rowwise().norm().maxCoeff(), 0.0);
   }
