@@ -87,7 +87,9 @@ std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& ex
   std::atomic<std::int64_t> examined = 0;
   std::atomic<bool> stop = false;
   std::exception_ptr error;
-#pragma omp parallel for schedule(dynamic) num_threads(static_cast <int>(examiners.size()))
+  const int threads =
+      static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(batches), examiners.size()));
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
   for (Eigen::Index b = 0; b < batches; ++b) {
     if (stop) continue;
     const Eigen::Index first = b * batch_boxes;

@@ -55,18 +55,29 @@ struct Expansion {
 };
 
 // Errors from bounds on |sigma''|, |sigma'''|, |sigma''''| over the range (Taylor's theorem with Lagrange's
-// remainder) and on |sigma'' - second|, |sigma''' - third| there.
+// remainder) and, anywhere, on |sigma' - first|, |sigma'' - second|, |sigma''' - third|.
 inline void remainders(Lanes radius, Lanes scale, Lanes second_bound, Lanes third_bound, Lanes fourth_bound,
-                       double second_spread, double third_spread, Expansion& e) {
+                       double first_spread, double second_spread, double third_spread, Expansion& e) {
   const Lanes square = radius * radius;
   const Lanes rounding = coefficient_error * scale * (1.0 + radius + square);
-  e.value_error =
-      smaller(third_bound * radius * (1.0 / 6.0), all(0.5 * second_spread)) * square * slack + rounding;
+  e.value_error = smaller(third_bound * radius * (1.0 / 6.0), all(0.5 * second_spread)) * square * slack + rounding;
   e.linear_error =
-      smaller(0.5 * second_bound * square, 0.5 * magnitude(e.second) * square + e.value_error) * slack +
-      rounding;
-  e.first_error =
-      smaller(fourth_bound * radius * (1.0 / 6.0), all(0.5 * third_spread)) * square * slack + rounding;
+      smaller(0.5 * second_bound * square, 0.5 * magnitude(e.second) * square + e.value_error) * slack + rounding;
+  e.first_error = smaller(fourth_bound * radius * (1.0 / 6.0), all(0.5 * third_spread)) * square * slack + rounding;
+  // On wide ranges a plain line, and a plain number for sigma', are better.
+  const Lanes line_rounding = coefficient_error * scale * (1.0 + radius);
+  const Words wide = (radius > 0.5) & (first_spread * radius < e.linear_error);
+  e.second = wide ? all(0.0) : e.second;
+  e.third = wide ? all(0.0) : e.third;
+  e.linear_error = wide ? first_spread * radius * slack + line_rounding : e.linear_error;
+  e.value_error = wide ? e.linear_error : e.value_error;
+  e.first_error = wide ? first_spread + line_rounding : e.first_error;
+}
+
+inline bool any_above(Lanes x, double limit) {
+  bool above = false;
+  for (int i = 0; i < S2NNDS_TAYLOR_LANES; ++i) above = above || x[i] > limit;
+  return above;
 }
 
 // The range of |tanh| over |z - z0| <= radius, from t0 = tanh(z0) within 2^-45: by the addition theorem
@@ -116,6 +127,21 @@ inline Lanes tanh_of(Lanes z) {
   return z < 0.0 ? -t : t;
 }
 
+// On ranges so wide that tanh is better described by a number than by its tangent.
+inline void flatten_tanh(Lanes z0, Lanes radius, Expansion& e) {
+  const Lanes low = tanh_of(z0 - radius), high = tanh_of(z0 + radius);
+  const Lanes reach = 0.5 * (high - low) + 0x1p-40;  // with the roundings of z0 -+ radius, as |tanh'| z is bounded
+  const Words flat = reach < e.linear_error;
+  const Lanes steepest = 1.0 - smaller(low * low, high * high) + 0x1p-40;
+  e.value = flat ? 0.5 * (low + high) : e.value;
+  e.first = flat ? all(0.0) : e.first;
+  e.second = flat ? all(0.0) : e.second;
+  e.third = flat ? all(0.0) : e.third;
+  e.linear_error = flat ? reach : e.linear_error;
+  e.value_error = flat ? reach : e.value_error;
+  e.first_error = flat ? ((low < 0.0) & (high > 0.0) ? all(1.0) : steepest) : e.first_error;
+}
+
 inline void expand_tanh(Lanes z0, Lanes radius, Expansion& e) {
   const Lanes t = tanh_of(z0), w = t * t;
   e.value = t;
@@ -125,7 +151,8 @@ inline void expand_tanh(Lanes z0, Lanes radius, Expansion& e) {
   Lanes low, high;
   tanh_range(t, radius, low, high);
   remainders(radius, all(1.0), tanh_second_bound(low, high), tanh_third_bound(low, high),
-             tanh_fourth_bound(low, high), 1.5397, 2.6667, e);
+             tanh_fourth_bound(low, high), 1.0, 1.5397, 2.6667, e);
+  if (any_above(radius, 0.75)) flatten_tanh(z0, radius, e);
 }
 
 // s = 1 / (1 + exp(-z)) = (1 + tanh(z / 2)) / 2, so that s'' and its derivatives are tanh's, scaled.
@@ -163,7 +190,7 @@ inline void expand_softplus(Lanes z0, Lanes radius, Expansion& e) {
   e.first = l.s;
   e.second = l.first;
   e.third = l.second;
-  remainders(radius, 1.0 + magnitude(z0), l.first_bound, l.second_bound, l.third_bound, 0.2501, 0.1926, e);
+  remainders(radius, 1.0 + magnitude(z0), l.first_bound, l.second_bound, l.third_bound, 1.0, 0.2501, 0.1926, e);
 }
 
 // z s(z); its k-th derivative is k s^(k-1) + z s^(k). Over the range: the value at z0 plus radius times a
@@ -182,13 +209,13 @@ inline void expand_silu(Lanes z0, Lanes radius, Expansion& e) {
   const Lanes third_bound = smaller(smaller(3.0 * l.second_bound + farthest * l.third_bound,
                                             magnitude(e.third) + radius * fourth_bound + rounding),
                                     all(0.3082));
-  remainders(radius, scale, second_bound, third_bound, fourth_bound, 0.5371, 0.6164, e);
+  remainders(radius, scale, second_bound, third_bound, fourth_bound, 1.2, 0.5371, 0.6164, e);
 }
 
 // exp(z) - 1 below 0, z above: sigma'' jumps from 1 to 0 at 0. On a range around 0, sigma'' lies in [0, 1]
 // almost everywhere, so both Taylor polynomials take 1/2 for it and leave a remainder of lower order.
 inline void expand_elu(Lanes z0, Lanes radius, Expansion& e) {
-  const Words above = z0 - radius > 0.0, below = z0 + radius<0.0, positive = z0> 0.0;
+  const Words wide = radius > 2.0, above = z0 - radius > 0.0, below = z0 + radius<0.0, positive = z0> 0.0;
   const Lanes power = exp_of_negative(positive ? all(0.0) : z0);
   const Lanes bound =
       smaller(power / (1.0 - smaller(radius, all(0.99))), all(1.0)) + 0x1p-48;  // e^r <= 1 / (1 - r)
@@ -202,6 +229,12 @@ inline void expand_elu(Lanes z0, Lanes radius, Expansion& e) {
   e.value_error = (above ? all(0.0) : (below ? cubic : 0.25 * square)) * slack + rounding;
   e.linear_error = (above ? all(0.0) : (below ? 0.5 * bound * square : 0.5 * square)) * slack + rounding;
   e.first_error = (above ? all(0.0) : (below ? cubic : 0.5 * radius)) * slack + rounding;
+  const Words line = wide & ~above;  // 0 <= sigma' <= 1
+  e.second = line ? all(0.0) : e.second;
+  e.third = line ? all(0.0) : e.third;
+  e.linear_error = line ? radius * slack + rounding : e.linear_error;
+  e.value_error = line ? e.linear_error : e.value_error;
+  e.first_error = line ? 1.0 + rounding : e.first_error;
 }
 
 // The C library's sin and cos, wrong by at most 4 units in the last place.
@@ -218,7 +251,15 @@ inline void expand_sine(Lanes z0, Lanes radius, Expansion& e) {
   e.third = -cosine;
   const Lanes sine_bound = smaller(magnitude(sine) + magnitude(cosine) * radius + 0x1p-48, all(1.0));
   const Lanes cosine_bound = smaller(magnitude(cosine) + magnitude(sine) * radius + 0x1p-48, all(1.0));
-  remainders(radius, all(1.0), sine_bound, cosine_bound, sine_bound, 2.0001, 2.0001, e);
+  remainders(radius, all(1.0), sine_bound, cosine_bound, sine_bound, 2.0, 2.0001, 2.0001, e);
+  const Words flat = e.linear_error > 1.0;
+  e.value = flat ? all(0.0) : e.value;
+  e.first = flat ? all(0.0) : e.first;
+  e.second = flat ? all(0.0) : e.second;
+  e.third = flat ? all(0.0) : e.third;
+  e.linear_error = flat ? all(1.0) : e.linear_error;
+  e.value_error = flat ? all(1.0) : e.value_error;
+  e.first_error = flat ? all(1.0) : e.first_error;
 }
 
 inline void expand_identity(Lanes z0, Lanes radius, Expansion& e) {

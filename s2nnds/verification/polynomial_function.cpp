@@ -1,0 +1,261 @@
+#include "s2nnds/verification/polynomial_function.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr int expansion_orders = 5;  // 0, ..., 4
+constexpr double slack = 1.0 + 1e-12;
+
+// How often the monomial dx_a dx_b dx_c ... of these axes occurs in the Taylor sum, over the factorial of
+// their number: 1 / (product of the factorials of the axes' multiplicities).
+double taylor_weight(const std::vector<Eigen::Index>& axes) {
+  double weight = 1.0;
+  for (std::size_t i = 0, run = 1; i < axes.size(); ++i, ++run) {
+    if (i > 0 && axes[i] != axes[i - 1]) run = 1;
+    weight /= static_cast<double>(run);
+  }
+  return weight;
+}
+
+std::size_t hessian_index(Eigen::Index i, Eigen::Index j, Eigen::Index n) {
+  return static_cast<std::size_t>(i * n - i * (i - 1) / 2 + (j - i));
+}
+
+}  // namespace
+
+struct PolynomialFunction::Memory final : TaylorFunction::Workspace {
+  std::vector<TileRow> powers, sizes;  // [n, degree + 1] powers of the centre and of |centre| + half
+  std::vector<TileForm> outputs;       // [m] of the last call of models()
+  TileForm gradient = TileForm(0);
+};
+
+PolynomialFunction::PolynomialFunction(const std::vector<Polynomial>& outputs) {
+  check(!outputs.empty(), "polynomial function: found no polynomials, expected at least one");
+  dimension_ = outputs.front().dimension();
+  for (const Polynomial& polynomial : outputs) {
+    check(polynomial.dimension() == dimension_, "polynomial function: found {} variables, expected {}",
+          polynomial.dimension(), dimension_);
+    degree_ = std::max(degree_, polynomial.degree());
+    outputs_.push_back(partials_of(polynomial, expansion_orders));
+  }
+  for (Eigen::Index d = 0; d < dimension_; ++d) {
+    gradients_.push_back(partials_of(outputs.front().derivative(d), expansion_orders));
+  }
+}
+
+PolynomialFunction::Partials PolynomialFunction::partials_of(const Polynomial& polynomial, int orders) {
+  Partials partials = {{{{}, polynomial.coefficients(), polynomial.exponents()}}};
+  for (int order = 1; order < orders; ++order) {
+    std::vector<Partial> next;
+    for (const Partial& partial : partials.back()) {
+      for (Eigen::Index d = partial.axes.empty() ? 0 : partial.axes.back(); d < polynomial.dimension(); ++d) {
+        Partial derived = partial;
+        derived.axes.push_back(d);
+        derived.coefficients.array() *= partial.exponents.col(d).cast<double>().array();
+        derived.exponents.col(d) = (partial.exponents.col(d).array() - 1).max(0);
+        next.push_back(std::move(derived));
+      }
+    }
+    partials.push_back(std::move(next));
+  }
+  return partials;
+}
+
+std::unique_ptr<TaylorFunction::Workspace> PolynomialFunction::workspace() const {
+  auto memory = std::make_unique<Memory>();
+  memory->powers.resize(static_cast<std::size_t>(dimension_ * (degree_ + 1)));
+  memory->sizes = memory->powers;
+  memory->outputs.assign(outputs_.size(), TileForm(dimension_));
+  memory->gradient = TileForm(dimension_);
+  return memory;
+}
+
+void PolynomialFunction::expand(const Partials& partials, const BoxTile& tile, Memory& memory,
+                                TileForm& form) const {
+  const Eigen::Index columns = degree_ + 1;
+  for (Eigen::Index d = 0; d < dimension_; ++d) {
+    memory.powers[d * columns].setOnes();
+    memory.sizes[d * columns].setOnes();
+    for (Eigen::Index k = 1; k < columns; ++k) {
+      memory.powers[d * columns + k] = memory.powers[d * columns + k - 1] * tile.center[d];
+      memory.sizes[d * columns + k] =
+          memory.sizes[d * columns + k - 1] * (tile.center[d].abs() + tile.half[d]);
+    }
+  }
+  // Value at the centre and the sum of |terms| over the box.
+  const auto evaluate = [&](const Partial& partial, TileRow& value, TileRow& size) {
+    value.setZero();
+    size.setZero();
+    for (Eigen::Index k = 0; k < partial.coefficients.size(); ++k) {
+      TileRow term = TileRow::Base::Constant(partial.coefficients(k)), bound = term.abs();
+      for (Eigen::Index d = 0; d < dimension_; ++d) {
+        term *= memory.powers[d * columns + partial.exponents(k, d)];
+        bound *= memory.sizes[d * columns + partial.exponents(k, d)];
+      }
+      value += term;
+      size += bound;
+    }
+  };
+  form.clear();
+  TileRow value, size;
+  for (std::size_t order = 0; order < partials.size(); ++order) {
+    for (const Partial& partial : partials[order]) {
+      evaluate(partial, value, size);
+      const double terms =
+          static_cast<double>(partial.coefficients.size() + (degree_ + 2) * (dimension_ + 1) + 16);
+      const TileRow rounding = 4.0 * unit_roundoff * terms * size;
+      TileRow weight = TileRow::Base::Constant(taylor_weight(partial.axes) * slack);
+      for (Eigen::Index axis : partial.axes) weight *= tile.half[axis];
+      if (order == 0) form.value = value;
+      if (order == 1) form.gradient[partial.axes[0]] = value;
+      if (order == 2) form.hessian[hessian_index(partial.axes[0], partial.axes[1], dimension_)] = value;
+      // The third derivatives at the centre and the fourth ones anywhere (Lagrange), or roundings.
+      if (order < 3) {
+        form.remainder += weight * rounding;
+      } else if (order == 3) {
+        form.remainder += weight * (value.abs() + rounding);
+      } else {
+        form.remainder += weight * size * slack;
+      }
+    }
+  }
+  form.remainder *= slack;
+}
+
+void PolynomialFunction::models(const BoxTile& tile, Workspace& workspace, TileModels& y) const {
+  Memory& memory = static_cast<Memory&>(workspace);
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    TileForm& form = memory.outputs[i];
+    expand(outputs_[i], tile, memory, form);
+    const auto at = static_cast<Eigen::Index>(i);
+    y.value(at) = form.value;
+    y.remainder[i] = form.remainder;
+    for (Eigen::Index d = 0; d < dimension_; ++d) {
+      y.slope(at)[d] = form.gradient[d];
+      for (Eigen::Index e = d; e < dimension_; ++e) {
+        const double weight = (d == e ? 0.5 : 1.0) * slack;
+        y.remainder[i] +=
+            weight * form.hessian[hessian_index(d, e, dimension_)].abs() * tile.half[d] * tile.half[e];
+      }
+    }
+    y.remainder[i] *= slack;
+  }
+}
+
+void PolynomialFunction::add_deviations(const BoxTile& tile, Workspace& workspace,
+                                        const std::vector<TileRow>& adjoint, TileForm& q) const {
+  Memory& memory = static_cast<Memory&>(workspace);
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    const TileForm& form = memory.outputs[i];
+    for (Eigen::Index d = 0; d < dimension_; ++d) {
+      for (Eigen::Index e = d; e < dimension_; ++e) {
+        const std::size_t at = hessian_index(d, e, dimension_);
+        const TileRow term = adjoint[i] * form.hessian[at];
+        q.hessian[at] += term;
+        q.magnitude += term.abs() * tile.half[d] * tile.half[e];
+      }
+    }
+    q.remainder += adjoint[i].abs() * form.remainder * slack;
+  }
+  q.operations += 4.0 * static_cast<double>(outputs_.size());
+}
+
+void PolynomialFunction::add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const {
+  Memory& memory = static_cast<Memory&>(workspace);
+  TileForm& form = memory.gradient;
+  expand(outputs_.front(), tile, memory, form);
+  q.value += form.value;
+  q.remainder += form.remainder;
+  q.magnitude += form.value.abs();
+  for (std::size_t d = 0; d < q.gradient.size(); ++d) {
+    q.gradient[d] += form.gradient[d];
+    q.magnitude += form.gradient[d].abs() * tile.half[d];
+  }
+  for (Eigen::Index d = 0; d < dimension_; ++d) {
+    for (Eigen::Index e = d; e < dimension_; ++e) {
+      const std::size_t at = hessian_index(d, e, dimension_);
+      q.hessian[at] += form.hessian[at];
+      q.magnitude += form.hessian[at].abs() * tile.half[d] * tile.half[e];
+    }
+  }
+}
+
+// sum_i g_i d_i with g_i = dy/dx_i to second order and d_i = model_i + deviation_i; g_i(c) deviation_i is
+// left to the caller.
+void PolynomialFunction::add_derivative(const BoxTile& tile, Workspace& workspace,
+                                        const TileModels& direction, std::vector<TileRow>& adjoint,
+                                        TileForm& q) const {
+  Memory& memory = static_cast<Memory&>(workspace);
+  for (Eigen::Index i = 0; i < dimension_; ++i) {
+    TileForm& g = memory.gradient;
+    expand(gradients_[static_cast<std::size_t>(i)], tile, memory, g);
+    const TileRow &value = direction.value(i), &r = direction.remainder[i];
+    const TileRow* slope = direction.slope(i);
+    const TileRow spread = direction.spread(i, tile);
+    TileRow linear, quadratic;
+    q.value += g.value * value;
+    for (Eigen::Index d = 0; d < dimension_; ++d) {
+      q.gradient[d] += value * g.gradient[d] + g.value * slope[d];
+      linear += g.gradient[d].abs() * tile.half[d];
+      for (Eigen::Index e = d; e < dimension_; ++e) {
+        const std::size_t at = hessian_index(d, e, dimension_);
+        q.hessian[at] += value * g.hessian[at] + g.gradient[d] * slope[e] + g.gradient[e] * slope[d];
+        quadratic += (d == e ? 0.5 : 1.0) * g.hessian[at].abs() * tile.half[d] * tile.half[e];
+      }
+    }
+    // Where the diagonal's 1/2 is missing the magnitude is only larger.
+    q.magnitude += (g.value.abs() + 2.0 * linear + 2.0 * quadratic) * (value.abs() + 2.0 * spread);
+    q.remainder += (linear * r + quadratic * (spread + r) + g.remainder * (value.abs() + spread + r)) * slack;
+    adjoint[i] = g.value;
+  }
+  q.operations += 8.0 * static_cast<double>(dimension_);
+}
+
+Interval PolynomialFunction::on_cube(const Partial& partial, double half) {
+  Interval sum(0.0);
+  const Interval coefficient_error(1.0 - 16.0 * unit_roundoff, 1.0 + 16.0 * unit_roundoff);
+  for (Eigen::Index k = 0; k < partial.coefficients.size(); ++k) {
+    Interval term = Interval(partial.coefficients(k)) * coefficient_error;
+    for (Eigen::Index d = 0; d < partial.exponents.cols(); ++d) {
+      if (partial.exponents(k, d) > 0) term *= power(Interval(-half, half), partial.exponents(k, d));
+    }
+    sum += term;
+  }
+  return sum;
+}
+
+// Along the ray from 0 to x: p(x) = (integral of grad p) . x, which lies in the hull of grad p over the cube.
+std::optional<IntervalMatrix> PolynomialFunction::goal_factor(double half) const {
+  IntervalMatrix factor(output_dimension(), dimension_);
+  for (Eigen::Index i = 0; i < output_dimension(); ++i) {
+    const Partials& partials = outputs_[static_cast<std::size_t>(i)];
+    const Interval constant = on_cube(partials[0][0], 0.0);
+    if (!(constant.lower == 0.0 && constant.upper == 0.0)) return std::nullopt;
+    for (const Partial& partial : partials[1]) factor(i, partial.axes[0]) = on_cube(partial, half);
+  }
+  return factor;
+}
+
+std::optional<IntervalMatrix> PolynomialFunction::goal_gradient_factor(double half) const {
+  const Partials& partials = outputs_.front();
+  for (int order : {0, 1}) {
+    for (const Partial& partial : partials[static_cast<std::size_t>(order)]) {
+      const Interval at_goal = on_cube(partial, 0.0);
+      if (!(at_goal.lower == 0.0 && at_goal.upper == 0.0)) return std::nullopt;
+    }
+  }
+  IntervalMatrix factor(dimension_, dimension_);
+  for (const Partial& partial : partials[2]) {
+    const Interval entry = on_cube(partial, half);
+    factor(partial.axes[0], partial.axes[1]) = entry;
+    factor(partial.axes[1], partial.axes[0]) = entry;
+  }
+  return factor;
+}
+
+}  // namespace s2nnds

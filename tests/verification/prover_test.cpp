@@ -1,0 +1,400 @@
+#include "s2nnds/verification/prover.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/verification/goal_neighbourhood.h"
+#include "s2nnds/verification/network_function.h"
+#include "tests/verification/exact_network.h"
+
+namespace s2nnds {
+namespace {
+
+Layer layer(const Points& weight, const Vector& bias, Activation activation) {
+  return {weight, bias, activation};
+}
+
+// xdot = A x.
+LayerStack linear_field(const Points& a) {
+  LayerStack f;
+  f.layers = {layer(a, Vector(), Activation::identity)};
+  f.head = Head::anchored;
+  return f;
+}
+LayerStack stable_field() { return linear_field(-Points::Identity(2, 2)); }
+
+// |x|^2 + 0.05 |x|^2.
+LayerStack quadratic_lyapunov() {
+  LayerStack v;
+  v.layers = {layer(Points::Identity(2, 2), Vector(), Activation::identity)};
+  v.head = Head::squared_norm;
+  v.quadratic = 0.05;
+  return v;
+}
+
+constexpr double barrier_edge = 0.8, barrier_gain = 4.0, barrier_level = 1.2;
+
+// tanh(sum_i [2 + tanh(g (x_i - e)) - tanh(g (x_i + e))] - level): negative on a rounded square, and along -x
+// its derivative is negative everywhere but at 0.
+LayerStack square_barrier() {
+  Points inner = Points::Zero(4, 2), outer(1, 4);
+  Vector shift(4);
+  for (int i = 0; i < 2; ++i) {
+    inner(2 * i, i) = inner(2 * i + 1, i) = barrier_gain;
+    shift(2 * i) = -barrier_gain * barrier_edge;
+    shift(2 * i + 1) = barrier_gain * barrier_edge;
+    outer(0, 2 * i) = 1.0;
+    outer(0, 2 * i + 1) = -1.0;
+  }
+  LayerStack b;
+  b.layers = {layer(inner, shift, Activation::tanh),
+              layer(outer, Vector::Constant(1, 4.0 - barrier_level), Activation::tanh),
+              layer(Points::Identity(1, 1), Vector(), Activation::identity)};
+  return b;
+}
+
+// Adds height * bump(x) to output `row` of a network whose layers are tanh, tanh, identity: bump is about 1
+// on the square of half-width `half` around `center` and 0 outside.
+LayerStack with_bump(const LayerStack& stack, Eigen::Index row, double cx, double cy, double half,
+                     double height) {
+  LayerStack result = stack;
+  const double gain = 4.0 / half;
+  Layer &first = result.layers[0], &second = result.layers[1], &last = result.layers[2];
+  const Eigen::Index a = first.weight.rows(), b = second.weight.rows();
+  if (last.bias.size() == 0) last.bias = Vector::Zero(last.weight.rows());
+  first.weight.conservativeResizeLike(Points::Zero(a + 4, 2));
+  first.bias.conservativeResizeLike(Vector::Zero(a + 4));
+  second.weight.conservativeResizeLike(Points::Zero(b + 1, a + 4));
+  second.bias.conservativeResizeLike(Vector::Zero(b + 1));
+  last.weight.conservativeResizeLike(Points::Zero(last.weight.rows(), b + 1));
+  const double center[] = {cx, cy};
+  for (int i = 0; i < 2; ++i) {
+    for (int side = 0; side < 2; ++side) {
+      const Eigen::Index unit = a + 2 * i + side;
+      const double sign =
+          side == 0 ? 1.0 : -1.0;  // tanh(g (x - c + half)) - tanh(g (x - c - half)) is 2 inside
+      first.weight(unit, i) = gain;
+      first.bias(unit) = gain * (sign * half - center[i]);
+      second.weight(b, unit) = 5.0 * sign;
+    }
+  }
+  second.bias(b) = -15.0;  // 5 (2 + 2) - 15 inside, at most 5 * 2 - 15 outside
+  last.weight(row, b) = 0.5 * height;
+  last.bias(row) += 0.5 * height;
+  return result;
+}
+
+// -x in effect, with the layers with_bump wants: -20 tanh(tanh(x / 20)).
+LayerStack soft_stable_field() {
+  const Points identity = Points::Identity(2, 2);
+  LayerStack f;
+  f.layers = {layer(0.05 * identity, Vector::Zero(2), Activation::tanh),
+              layer(identity, Vector::Zero(2), Activation::tanh),
+              layer(-20.0 * identity, Vector::Zero(2), Activation::identity)};
+  f.head = Head::anchored;
+  return f;
+}
+
+SafetyProblem simple_problem() {
+  SafetyProblem problem;
+  problem.workspace = Box::cube(2, 1.25);
+  problem.initial = ball((Vector(2) << 0.3, -0.2).finished(), 0.2);
+  problem.unsafe = ball((Vector(2) << 1.05, 1.05).finished(), 0.1);
+  problem.shell = complement(box_region(Box::cube(2, 0.97 * 1.25)));
+  return problem;
+}
+
+Networks simple_networks() { return {stable_field(), quadratic_lyapunov(), square_barrier()}; }
+
+ProofOptions quick() {
+  ProofOptions options;
+  options.max_boxes = 60000;
+  options.max_seconds = 60.0;
+  return options;
+}
+
+TEST(Prover, ProvesAStableLinearSystemInvariant) {
+  const ProofResult result = prove(simple_networks(), simple_problem(), 0.01);
+  for (const ConditionProof& proof : result.conditions) {
+    EXPECT_TRUE(proof.is_proved()) << proof.verdict.condition << ": " << proof.verdict.verdict;
+    EXPECT_EQ(proof.open_lower.rows(), 0);
+  }
+  EXPECT_EQ(result.guarantee, Guarantee::invariant);
+  EXPECT_TRUE(result.goal_is_safe);
+  EXPECT_TRUE(result.initial_in_workspace);
+  EXPECT_GT(result.goal_cube, 0.0);
+  EXPECT_LT(result.boxes, 20000);
+}
+
+// Spirals and shears: V = |x|^2 decreases iff the symmetric part of A is negative definite.
+TEST(Prover, DecidesLinearSystemsByTheirSymmetricPart) {
+  for (double shear : {0.0, 1.0, 1.9, 2.1, 4.0}) {
+    Networks networks = simple_networks();
+    networks.f = linear_field((Points(2, 2) << -1.0, shear, 0.0, -1.0).finished());
+    const ProofResult result = prove(networks, simple_problem(), 0.01, quick());
+    EXPECT_EQ(result[Condition::lyapunov_decrease].is_proved(), shear < 2.0) << shear;
+    EXPECT_EQ(result.goal_cube > 0.0, shear < 2.0) << shear;
+  }
+}
+
+TEST(Prover, RefutesAnUnstableSystemWithAWitness) {
+  Networks networks = simple_networks();
+  networks.f = linear_field(Points::Identity(2, 2));
+  const SafetyProblem problem = simple_problem();
+  const ProofResult result = prove(networks, problem, 0.01, quick());
+  EXPECT_EQ(result.guarantee, Guarantee::none);
+  for (Condition condition : {Condition::lyapunov_decrease, Condition::barrier_decrease}) {
+    const ConditionProof& proof = result[condition];
+    EXPECT_EQ(proof.verdict.verdict, "refuted");
+    ASSERT_EQ(proof.verdict.witness.size(), 2u);
+    const Points at = residuals(networks, problem, 0.01, proof.witnesses);
+    for (Eigen::Index i = 0; i < at.rows(); ++i) {
+      EXPECT_TRUE(is_violated(condition, at(i, static_cast<Eigen::Index>(condition))));
+    }
+    EXPECT_GT(proof.verdict.open_boxes, 0);
+    EXPECT_GT(proof.verdict.open_volume, 0.0);
+  }
+  EXPECT_TRUE(result[Condition::initial].is_proved());
+}
+
+TEST(Prover, SeesABarrierCrossedInASetOfMeasure1e8) {
+  // On the x axis, where B = 0.
+  double low = 0.5, high = 1.2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    const Points x = (Points(1, 2) << middle, 0.0).finished();
+    (square_barrier().value(x)(0, 0) < 0.0 ? low : high) = middle;
+  }
+  Networks networks = simple_networks();
+  networks.f = soft_stable_field();
+  EXPECT_EQ(prove(networks, simple_problem(), 1e-3, quick()).guarantee, Guarantee::invariant);
+  networks.f = with_bump(networks.f, 0, low, 0.0, 0.5e-4, 3.0);
+  const ProofResult result = prove(networks, simple_problem(), 1e-3, quick());
+  EXPECT_EQ(result[Condition::barrier_decrease].verdict.verdict, "refuted");
+  EXPECT_LT(result[Condition::barrier_decrease].verdict.open_volume, 1e-6);
+}
+
+TEST(Prover, SeesAHoleOfMeasure1e8InTheUnsafeSet) {
+  Networks networks = simple_networks();
+  networks.B = with_bump(networks.B, 0, 1.07, 1.02, 0.5e-4, -3.0);
+  const ProofResult result = prove(networks, simple_problem(), 0.01, quick());
+  EXPECT_EQ(result[Condition::unsafe].verdict.verdict, "refuted");
+  EXPECT_TRUE(result[Condition::initial].is_proved());
+}
+
+TEST(Prover, SeesAViolationOnlyAtTheWorkspacesEdge) {
+  Networks networks = simple_networks();
+  networks.f = with_bump(soft_stable_field(), 0, 1.25, 0.3, 1e-5, 3.0);
+  ProofResult result = prove(networks, simple_problem(), 0.01, quick());
+  EXPECT_EQ(result[Condition::lyapunov_decrease].verdict.verdict, "refuted");
+  // The same outside of the workspace does no harm.
+  networks.f = with_bump(soft_stable_field(), 0, 1.2502, 0.3, 1e-5, 3.0);
+  result = prove(networks, simple_problem(), 0.01, quick());
+  EXPECT_TRUE(result[Condition::lyapunov_decrease].is_proved());
+
+  // {B <= 0} reaching the boundary at one spot, without a shell.
+  SafetyProblem open_problem = simple_problem();
+  open_problem.shell = nullptr;
+  networks = simple_networks();
+  EXPECT_EQ(prove(networks, open_problem, 0.01, quick()).guarantee, Guarantee::invariant);
+  networks.B = with_bump(networks.B, 0, -0.4, -1.25, 1e-5, -3.0);
+  result = prove(networks, open_problem, 0.01, quick());
+  EXPECT_EQ(result[Condition::containment].verdict.verdict, "refuted");
+  EXPECT_NE(result.guarantee, Guarantee::invariant);
+}
+
+TEST(Prover, SeesAViolationOnly1e6FromTheGoal) {
+  // -x + 2e-6 tanh(1e6 x): unstable within 2e-6 of the goal, stable beyond.
+  Points inner = Points::Zero(4, 2), outer = Points::Zero(2, 4);
+  for (int i = 0; i < 2; ++i) {
+    inner(i, i) = 0.01;
+    inner(2 + i, i) = 1e6;
+    outer(i, i) = -100.0;
+    outer(i, 2 + i) = 2e-6;
+  }
+  Networks networks = simple_networks();
+  networks.f.layers = {layer(inner, Vector(), Activation::tanh),
+                       layer(outer, Vector(), Activation::identity)};
+  const ProofResult result = prove(networks, simple_problem(), 0.01, quick());
+  const ConditionProof& decrease = result[Condition::lyapunov_decrease];
+  EXPECT_EQ(decrease.verdict.verdict, "refuted");
+  EXPECT_EQ(result.goal_cube, 0.0);
+  EXPECT_LT(decrease.open_upper.cwiseAbs().maxCoeff(), 1e-5);
+}
+
+// A bias-free V has V < 0 next to the goal unless its gradient happens to vanish there.
+TEST(Prover, FindsWhereThePapersLyapunovFunctionIsNegative) {
+  RandomStream random(3, "paper");
+  Networks networks = simple_networks();
+  networks.V = random_stack({2, 8, 8, 1}, Activation::elu, Head::plain, random);
+  for (Layer& each : networks.V.layers) each.bias = Vector();
+  const ProofResult result = prove(networks, simple_problem(), 0.01, ProofOptions::fail_fast());
+  const ConditionProof& positive = result[Condition::lyapunov_positive];
+  ASSERT_EQ(positive.verdict.verdict, "refuted");
+  EXPECT_LT(networks.V.value(positive.witnesses.topRows(1))(0, 0), 0.0);
+}
+
+TEST(Prover, SaysWhenTheGoalOrTheInitialSetIsNotSafe) {
+  Networks networks = simple_networks();
+  networks.B = with_bump(networks.B, 0, 0.0, 0.0, 1e-4, 3.0);
+  EXPECT_FALSE(prove(networks, simple_problem(), 0.01, quick()).goal_is_safe);
+
+  SafetyProblem outside = simple_problem();
+  outside.initial = ball((Vector(2) << 1.2, 0.0).finished(), 0.1);
+  const ProofResult result = prove(simple_networks(), outside, 0.01, quick());
+  EXPECT_FALSE(result.initial_in_workspace);
+  EXPECT_EQ(result[Condition::initial].verdict.verdict, "refuted");
+}
+
+TEST(Prover, NotANumberIsNeverProved) {
+  Networks networks = simple_networks();
+  networks.f = linear_field(-1e308 * Points::Ones(2, 2));
+  networks.B.layers[0].weight.setConstant(1e308);
+  networks.B.layers[1].weight.setConstant(1e308);
+  ProofOptions options = quick();
+  options.max_boxes = 2000;
+  const ProofResult result = prove(networks, simple_problem(), 0.01, options);
+  EXPECT_EQ(result[Condition::barrier_decrease].verdict.verdict, "undecided");
+  EXPECT_EQ(result.guarantee, Guarantee::none);
+}
+
+TEST(Prover, DoesNotDependOnTheNumberOfThreads) {
+  RandomStream random(4, "threads");
+  for (int k = 0; k < 3; ++k) {
+    Networks networks = {random_stack({2, 12, 12, 2}, Activation::tanh, Head::anchored, random),
+                         random_stack({2, 12, 8}, Activation::tanh, Head::squared_norm, random),
+                         random_stack({2, 12, 12, 1}, Activation::tanh, Head::plain, random)};
+    ProofOptions options = ProofOptions::fail_fast();
+    options.max_boxes = 30000;
+    options.max_seconds = 1e6;
+    options.threads = 1;
+    const ProofResult one = prove(networks, simple_problem(), 0.02, options);
+    options.threads = 2;
+    const ProofResult two = prove(networks, simple_problem(), 0.02, options);
+    EXPECT_EQ(one.boxes, two.boxes);
+    for (Condition condition : all_conditions) {
+      EXPECT_EQ(one[condition].verdict.verdict, two[condition].verdict.verdict);
+      EXPECT_EQ(one[condition].verdict.boxes, two[condition].verdict.boxes);
+      EXPECT_EQ(one[condition].verdict.open_boxes, two[condition].verdict.open_boxes);
+      EXPECT_EQ(one[condition].verdict.witness, two[condition].verdict.witness);
+      EXPECT_EQ(one[condition].open_lower, two[condition].open_lower);
+    }
+  }
+}
+
+TEST(Prover, ReturnsSamplesOfOpenBoxes) {
+  Networks networks = simple_networks();
+  networks.f = linear_field(Points::Identity(2, 2));
+  const ProofResult result = prove(networks, simple_problem(), 0.01, ProofOptions::fail_fast());
+  RandomStream random(5, "open");
+  const ConditionProof& open = result[Condition::barrier_decrease];
+  const Points samples = open.samples(500, random);
+  ASSERT_EQ(samples.rows(), 500);
+  EXPECT_LE(samples.cwiseAbs().maxCoeff(), 1.25);
+  EXPECT_EQ(samples.row(0), open.witnesses.row(0));
+  EXPECT_EQ(result[Condition::initial].samples(10, random).rows(), 0);
+}
+
+TEST(Prover, StopsAtItsLimits) {
+  Networks networks = simple_networks();
+  networks.f = linear_field((Points(2, 2) << -1.0, 2.0, 0.0, -1.0).finished());  // Vdot = 0 along a line
+  ProofOptions options;
+  options.max_boxes = 1000;
+  const ProofResult result = prove(networks, simple_problem(), 0.01, options);
+  EXPECT_LE(result[Condition::lyapunov_decrease].verdict.boxes, 1000);
+  EXPECT_EQ(result[Condition::lyapunov_decrease].verdict.verdict, "undecided");
+  options.max_boxes = 100000000;
+  options.max_seconds = 0.3;
+  const ProofResult timed = prove(networks, simple_problem(), 0.01, options);
+  EXPECT_LT(timed.seconds, 10.0);
+  EXPECT_FALSE(timed[Condition::lyapunov_decrease].is_proved());
+}
+
+TEST(Prover, RejectsWhatDoesNotFit) {
+  Networks networks = simple_networks();
+  EXPECT_THROW(prove(networks, simple_problem(), -1.0), Error);
+  networks.B =
+      random_stack({3, 4, 1}, Activation::tanh, Head::plain, *std::make_unique<RandomStream>(1, "misfit"));
+  EXPECT_THROW(prove(networks, simple_problem(), 0.01), Error);
+}
+
+// Ascends the residual from the worst points of a grid; what it finds must never have been called proved.
+double largest_residual(const Networks& networks, const SafetyProblem& problem, double band,
+                        Condition condition) {
+  const int side = 80;
+  Points x(side * side, 2);
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j)
+      x.row(i * side + j) << -1.25 + 2.5 * i / (side - 1), -1.25 + 2.5 * j / (side - 1);
+  }
+  const auto column = static_cast<Eigen::Index>(condition);
+  Eigen::Index at = 0;
+  double best = residuals(networks, problem, band, x).col(column).maxCoeff(&at);
+  Points point = x.row(at);
+  for (double step = 0.02; step > 1e-6; step *= 0.7) {
+    Points around = point.replicate(8, 1);
+    for (int k = 0; k < 8; ++k)
+      around.row(k) += step * Eigen::RowVector2d(std::cos(k * M_PI / 4), std::sin(k * M_PI / 4));
+    around = around.cwiseMax(-1.25).cwiseMin(1.25);
+    const double found = residuals(networks, problem, band, around).col(column).maxCoeff(&at);
+    if (found > best) {
+      best = found;
+      point = around.row(at);
+    }
+  }
+  return best;
+}
+
+TEST(Prover, NeverProvesMutatedNetworksThatASearchRefutes) {
+  const SafetyProblem problem = simple_problem();
+  RandomStream random(6, "mutants");
+  int proved = 0, refuted = 0;
+  for (int k = 0; k < 30; ++k) {
+    Networks networks = {soft_stable_field(), quadratic_lyapunov(), square_barrier()};
+    const double noise = 0.02 * std::pow(1.16, k);
+    for (LayerStack* stack : {&networks.f, &networks.V, &networks.B}) {
+      for (Layer& each : stack->layers) {
+        for (double& w : each.weight.reshaped()) w *= 1.0 + noise * random.normal();
+        for (double& b : each.bias) b += 0.1 * noise * random.normal();
+      }
+    }
+    ProofOptions options = ProofOptions::fail_fast();
+    options.max_boxes = 8000;
+    const ProofResult result = prove(networks, problem, 0.02, options);
+    for (Condition condition : all_conditions) {
+      const bool violated = is_violated(condition, largest_residual(networks, problem, 0.02, condition));
+      EXPECT_FALSE(violated && result[condition].is_proved()) << to_string(condition) << " mutant " << k;
+      proved += result[condition].is_proved();
+      refuted += violated;
+    }
+  }
+  EXPECT_GT(proved, 40);
+  EXPECT_GT(refuted, 10);
+}
+
+TEST(GoalNeighbourhood, FollowsTheLinearisation) {
+  const NetworkFunction lyapunov(quadratic_lyapunov());
+  EXPECT_GT(decreasing_cube(NetworkFunction(stable_field()), lyapunov, 0.05), 0.0);
+  EXPECT_EQ(decreasing_cube(NetworkFunction(linear_field(Points::Identity(2, 2))), lyapunov, 0.05), 0.0);
+  EXPECT_GT(positive_cube(lyapunov, 0.05), 0.0);
+}
+
+TEST(IntervalMatrix, DefinitenessIsDecidedForWholeIntervals) {
+  IntervalMatrix a(2, 2);
+  a(0, 0) = a(1, 1) = Interval(1.0, 1.1);
+  a(0, 1) = a(1, 0) = Interval(-0.9, 0.9);
+  EXPECT_TRUE(is_positive_definite(a));
+  a(0, 1) = a(1, 0) = Interval(-0.9, 1.01);
+  EXPECT_FALSE(is_positive_definite(a));
+  // Only the symmetric part counts.
+  a(0, 1) = Interval(50.0, 50.1);
+  a(1, 0) = Interval(-50.1, -50.0);
+  EXPECT_TRUE(is_positive_definite(a));
+  a(1, 1) = Interval(std::nan(""), std::nan(""));
+  EXPECT_FALSE(is_positive_definite(a));
+}
+
+}  // namespace
+}  // namespace s2nnds
