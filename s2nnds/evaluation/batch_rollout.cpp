@@ -107,10 +107,11 @@ class BatchRollout {
   }
 
   // The cubic with the step's ends and velocities (Hermite), at the fraction s of the step.
-  Eigen::RowVectorXd between(const Trial& trial, Eigen::Index i, double s) const {
+  void place_between(const Trial& trial, Eigen::Index i, double s,
+                     Eigen::Ref<Eigen::RowVectorXd> point) const {
     const double r = 1.0 - s;
-    return r * r * (1.0 + 2.0 * s) * position_.row(i) + s * s * (3.0 - 2.0 * s) * trial.position.row(i) +
-           step_[i] * s * r * (r * velocity_.row(i) - s * trial.velocity.row(i));
+    point = r * r * (1.0 + 2.0 * s) * position_.row(i) + s * s * (3.0 - 2.0 * s) * trial.position.row(i) +
+            step_[i] * s * r * (r * velocity_.row(i) - s * trial.velocity.row(i));
   }
 
   // The first event along each accepted step decides its motion.
@@ -122,8 +123,8 @@ class BatchRollout {
     Eigen::Index row = 0;
     for (std::size_t a = 0; a < accepted.size(); ++a) {
       for (Eigen::Index j = 1; j <= counts[a]; ++j) {
-        seen.row(row++) =
-            between(trial, accepted[a], static_cast<double>(j) / static_cast<double>(counts[a]));
+        const double fraction = static_cast<double>(j) / static_cast<double>(counts[a]);
+        place_between(trial, accepted[a], fraction, seen.row(row++));
       }
     }
     const std::vector<StopReason> reasons = events_.at(seen);

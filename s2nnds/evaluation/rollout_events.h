@@ -4,9 +4,10 @@
 
 namespace s2nnds {
 
-// A motion is looked at every so often along its way (normalised length), and at most so often a step.
+// A motion is looked at every so often along its way (normalised length), and at most so often a step: a step
+// longer than 5 belongs to a motion that escapes.
 inline constexpr double look_spacing = 0.005;
-inline constexpr Eigen::Index most_looks = 1 << 14;
+inline constexpr Eigen::Index most_looks = 1 << 10;
 
 // What ends a motion: the goal, the unsafe set, the edge of the workspace or its shell. Keeps references to
 // what it is made from.
