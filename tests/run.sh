@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds Release and runs the fast tests.
+# Usage: bash tests/run.sh [-DOPTION=VALUE]...   (options for CMake)
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+bash third_party/install.sh
+echo "tests/run.sh: building into build/release"
+cmake --preset release "$@"
+cmake --build --preset release
+echo "tests/run.sh: running the tests that are not labelled slow"
+ctest --preset release -j2
