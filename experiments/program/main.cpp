@@ -1,6 +1,7 @@
 // s2nnds: learns a motion from demonstrations and certifies it. See README.md for the commands.
 
 #include <fmt/core.h>
+#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
@@ -89,6 +90,10 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Training allocates and frees the same few megabytes every step; keep them instead of returning them to
+  // the system.
+  mallopt(M_MMAP_THRESHOLD, 1 << 28);
+  mallopt(M_TRIM_THRESHOLD, 1 << 28);
   std::signal(SIGXFSZ, SIG_IGN);  // a full disk is then an error of the write, which is reported
   try {
     return run(argc, argv);

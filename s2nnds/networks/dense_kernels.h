@@ -27,6 +27,11 @@ struct DenseKernels {
   // value = sigma(z) and, where the pointers are not null, first = sigma'(z), second = sigma''(z); count is a
   // multiple of kLanePadding. In double, values are within 4e-15 * max(1, |value|) of the exact ones.
   void (*activate)(Activation activation, std::ptrdiff_t count, const T* z, T* value, T* first, T* second);
+  // The tangent through an activation: tangent = slope * dz and, unless null, curve *= dz.
+  void (*push_tangent)(std::ptrdiff_t count, const T* slope, const T* dz, T* tangent, T* curve);
+  // The adjoints through an activation: adjoint = adjoint * slope + adjoint_tangent * curve, adjoint_tangent
+  // *= slope; the value's alone where adjoint_tangent is null.
+  void (*pull_adjoint)(std::ptrdiff_t count, const T* slope, const T* curve, T* adjoint, T* adjoint_tangent);
 };
 
 // The best kernels that this processor runs; the environment's S2NNDS_ISA (avx512, avx2, plain) picks a

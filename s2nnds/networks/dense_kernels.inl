@@ -117,6 +117,13 @@ inline VectorOf<T> magnitude(VectorOf<T> x) {
   return choose<T>(x < T(0), -x, x);
 }
 
+template <typename T>
+constexpr T reciprocal_factorial(int k) {
+  double factorial = 1.0;
+  for (int i = 2; i <= k; ++i) factorial *= i;
+  return static_cast<T>(1.0 / factorial);
+}
+
 // exp(x) and exp(x) - 1 for x <= 0, by x = n ln 2 + r. NaN stays NaN.
 template <typename T>
 inline void exp_of_negative(VectorOf<T> x, VectorOf<T>& exp, VectorOf<T>& expm1) {
@@ -125,8 +132,8 @@ inline void exp_of_negative(VectorOf<T> x, VectorOf<T>& exp, VectorOf<T>& expm1)
   x = choose<T>(x < S::exp_floor, VectorOf<T>{} + S::exp_floor, x);
   const VectorOf<T> n = (x * T(1.4426950408889634) + S::round_magic) - S::round_magic;
   const VectorOf<T> r = (x - n * S::ln2_high) - n * S::ln2_low;
-  VectorOf<T> tail = VectorOf<T>{} + T(1);  // (expm1(r) / r), Horner: 1 + r/2 (1 + r/3 (1 + ...))
-  for (int k = S::terms; k >= 2; --k) tail = T(1) + tail * r * (T(1) / T(k));
+  VectorOf<T> tail = VectorOf<T>{} + reciprocal_factorial<T>(S::terms);  // of (exp(r) - 1) / r, Horner
+  for (int k = S::terms - 1; k >= 1; --k) tail = tail * r + reciprocal_factorial<T>(k);
   const VectorOf<T> small = tail * r;
   const Integers exponent = (__builtin_convertvector(n, Integers) + S::bias) << S::mantissa;
   VectorOf<T> power;
@@ -233,9 +240,36 @@ void activate(Activation activation, ptrdiff_t count, const T* z, T* value, T* f
   }
 }
 
+template <typename T>
+void push_tangent(ptrdiff_t count, const T* slope, const T* dz, T* tangent, T* curve) {
+  constexpr ptrdiff_t lanes = S2NNDS_VECTOR_BYTES / sizeof(T);
+  for (ptrdiff_t i = 0; i < count; i += lanes) {
+    const VectorOf<T> d = load(dz + i);
+    store(tangent + i, load(slope + i) * d);
+    if (curve) store(curve + i, load(curve + i) * d);
+  }
+}
+
+template <typename T>
+void pull_adjoint(ptrdiff_t count, const T* slope, const T* curve, T* adjoint, T* adjoint_tangent) {
+  constexpr ptrdiff_t lanes = S2NNDS_VECTOR_BYTES / sizeof(T);
+  for (ptrdiff_t i = 0; i < count; i += lanes) {
+    const VectorOf<T> s = load(slope + i);
+    VectorOf<T> a = load(adjoint + i) * s;
+    if (adjoint_tangent) {
+      const VectorOf<T> t = load(adjoint_tangent + i);
+      a += t * load(curve + i);
+      store(adjoint_tangent + i, t * s);
+    }
+    store(adjoint + i, a);
+  }
+}
+
 }  // namespace
 
-extern const DenseKernels<float> float_kernels = {S2NNDS_KERNEL_NAME, multiply<float>, activate<float>};
-extern const DenseKernels<double> double_kernels = {S2NNDS_KERNEL_NAME, multiply<double>, activate<double>};
+extern const DenseKernels<float> float_kernels = {S2NNDS_KERNEL_NAME, multiply<float>, activate<float>,
+                                                  push_tangent<float>, pull_adjoint<float>};
+extern const DenseKernels<double> double_kernels = {S2NNDS_KERNEL_NAME, multiply<double>, activate<double>,
+                                                    push_tangent<double>, pull_adjoint<double>};
 
 }  // namespace s2nnds::S2NNDS_KERNEL_SPACE

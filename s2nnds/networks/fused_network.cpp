@@ -123,12 +123,8 @@ void FusedNetwork<T>::forward_tile(ptrdiff_t rows, const T* x, const T* directio
     const bool wants_slope = direction || tape;
     kernels.activate(p.shape.activation, count, z, next, wants_slope ? first_derivative : nullptr,
                      tape && direction ? scaled_second : nullptr);
-    if (direction) {
-      for (ptrdiff_t i = 0; i < count; ++i) next_tangent[i] = first_derivative[i] * dz[i];
-      if (tape) {
-        for (ptrdiff_t i = 0; i < count; ++i) scaled_second[i] *= dz[i];
-      }
-    }
+    if (direction)
+      kernels.push_tangent(count, first_derivative, dz, next_tangent, tape ? scaled_second : nullptr);
     a = next;
     da = next_tangent;
     stride = width;
@@ -164,6 +160,17 @@ void FusedNetwork<T>::forward(ptrdiff_t samples, const T* x, const T* direction,
   }
 }
 
+namespace {
+
+// [rows, n] into rows of `width` columns, the rest zero.
+template <typename T>
+void pad(ptrdiff_t rows, ptrdiff_t n, const T* from, ptrdiff_t width, T* to) {
+  std::fill(to, to + rows * width, T(0));
+  for (ptrdiff_t s = 0; s < rows; ++s) std::copy_n(from + s * n, n, to + s * width);
+}
+
+}  // namespace
+
 template <typename T>
 void FusedNetwork<T>::backward_tile(ptrdiff_t rows, const T* x, const T* direction, const T* tape,
                                     ptrdiff_t tape_samples, ptrdiff_t first, const T* adjoint_value,
@@ -171,80 +178,56 @@ void FusedNetwork<T>::backward_tile(ptrdiff_t rows, const T* x, const T* directi
                                     T* scratch) const {
   const DenseKernels<T>& kernels = dense_kernels<T>();
   const ptrdiff_t tile = kTileRows * widest_;
-  T* adjoint = scratch;                 // of z, and before that of the activation
+  T* adjoint = scratch;                 // of z, before that of the activation
   T* adjoint_tangent = scratch + tile;  // of dz, and before that of da
   T* below = scratch + 2 * tile;
   T* below_tangent = scratch + 3 * tile;
-  const ptrdiff_t m = outputs(), last_width = packed_.back().out_width;
-  std::fill(adjoint, adjoint + rows * last_width, T(0));
-  std::fill(adjoint_tangent, adjoint_tangent + rows * last_width, T(0));
-  for (ptrdiff_t s = 0; s < rows; ++s) {
-    std::copy_n(adjoint_value + s * m, m, adjoint + s * last_width);
-    if (direction) std::copy_n(adjoint_derivative + s * m, m, adjoint_tangent + s * last_width);
+  T* input = scratch + 4 * tile;
+  T* input_tangent = scratch + 5 * tile;
+  T* ones = scratch + 6 * tile;
+  std::fill(ones, ones + rows, T(1));
+  pad(rows, outputs(), adjoint_value, packed_.back().out_width, adjoint);
+  pad(rows, inputs(), x, packed_.front().in_width, input);
+  if (direction) {
+    pad(rows, outputs(), adjoint_derivative, packed_.back().out_width, adjoint_tangent);
+    pad(rows, inputs(), direction, packed_.front().in_width, input_tangent);
   }
   T* gradient_end = gradient + gradient_size_;
   for (std::size_t l = packed_.size(); l-- > 0;) {
     const Packed& p = packed_[l];
-    const ptrdiff_t width = p.out_width, count = rows * width;
+    const ptrdiff_t width = p.out_width, depth = p.shape.outputs;
     const auto at = [&](const Packed& layer, int quantity) {
       return tape + (quantity * tape_width_ + layer.tape) * tape_samples + first * layer.out_width;
     };
-    const T* slope = at(p, 2);
-    if (direction) {
-      const T* curve = at(p, 3);
-      for (ptrdiff_t i = 0; i < count; ++i) {
-        adjoint[i] = adjoint[i] * slope[i] + adjoint_tangent[i] * curve[i];
-        adjoint_tangent[i] *= slope[i];
-      }
-    } else {
-      for (ptrdiff_t i = 0; i < count; ++i) adjoint[i] *= slope[i];
-    }
+    kernels.pull_adjoint(rows * width, at(p, 2), at(p, 3), adjoint, direction ? adjoint_tangent : nullptr);
 
-    gradient_end -= p.shape.outputs * p.in_width + width;
+    gradient_end -= depth * p.in_width + width;
     T* weight_gradient = gradient_end;
-    T* bias_gradient = gradient_end + p.shape.outputs * p.in_width;
-    for (ptrdiff_t s = 0; s < rows; ++s) {
-      for (ptrdiff_t o = 0; o < width; ++o) bias_gradient[o] += adjoint[s * width + o];
+    T* bias_gradient = gradient_end + depth * p.in_width;
+    kernels.multiply(1, width, rows, ones, 0, 1, adjoint, width, bias_gradient, width, true);
+    const T* a = l > 0 ? at(packed_[l - 1], 0) : input;
+    kernels.multiply(depth, p.in_width, rows, adjoint, 1, width, a, p.in_width, weight_gradient, p.in_width,
+                     true);
+    if (direction) {
+      const T* da = l > 0 ? at(packed_[l - 1], 1) : input_tangent;
+      kernels.multiply(depth, p.in_width, rows, adjoint_tangent, 1, width, da, p.in_width, weight_gradient,
+                       p.in_width, true);
     }
+    const T* weight = weights_.data() + p.plain;
     if (l > 0) {
-      const Packed& q = packed_[l - 1];
-      kernels.multiply(p.shape.outputs, p.in_width, rows, adjoint, 1, width, at(q, 0), q.out_width,
-                       weight_gradient, p.in_width, true);
-      const T* weight = weights_.data() + p.plain;
-      kernels.multiply(rows, p.in_width, p.shape.outputs, adjoint, width, 1, weight, p.in_width, below,
+      kernels.multiply(rows, p.in_width, depth, adjoint, width, 1, weight, p.in_width, below, p.in_width,
+                       false);
+    }
+    if (direction && (l > 0 || adjoint_direction)) {
+      kernels.multiply(rows, p.in_width, depth, adjoint_tangent, width, 1, weight, p.in_width, below_tangent,
                        p.in_width, false);
-      if (direction) {
-        kernels.multiply(p.shape.outputs, p.in_width, rows, adjoint_tangent, 1, width, at(q, 1), q.out_width,
-                         weight_gradient, p.in_width, true);
-        kernels.multiply(rows, p.in_width, p.shape.outputs, adjoint_tangent, width, 1, weight, p.in_width,
-                         below_tangent, p.in_width, false);
-      }
-      std::swap(adjoint, below);
-      std::swap(adjoint_tangent, below_tangent);
-      continue;
     }
-    // The first layer has few inputs: plain loops over them, vectorised over the neurons.
-    const ptrdiff_t n = p.shape.inputs;
-    for (ptrdiff_t s = 0; s < rows; ++s) {
-      for (ptrdiff_t o = 0; o < p.shape.outputs; ++o) {
-        for (ptrdiff_t i = 0; i < n; ++i) {
-          T sum = adjoint[s * width + o] * x[s * n + i];
-          if (direction) sum += adjoint_tangent[s * width + o] * direction[s * n + i];
-          weight_gradient[o * p.in_width + i] += sum;
-        }
-      }
-    }
-    if (adjoint_direction) {
-      const T* weight = weights_.data() + p.transposed;
-      for (ptrdiff_t s = 0; s < rows; ++s) {
-        for (ptrdiff_t i = 0; i < n; ++i) {
-          T sum = 0;
-          for (ptrdiff_t o = 0; o < width; ++o) sum += adjoint_tangent[s * width + o] * weight[i * width + o];
-          adjoint_direction[s * n + i] = sum;
-        }
-      }
-    }
+    std::swap(adjoint, below);
+    std::swap(adjoint_tangent, below_tangent);
   }
+  if (!adjoint_direction) return;
+  const ptrdiff_t n = inputs(), width = packed_.front().in_width;
+  for (ptrdiff_t s = 0; s < rows; ++s) std::copy_n(adjoint_tangent + s * width, n, adjoint_direction + s * n);
 }
 
 template <typename T>
@@ -259,7 +242,7 @@ void FusedNetwork<T>::backward(const T* x, const T* direction, const Tape& tape,
 #pragma omp parallel if (chunks > 1)
   {
     Buffer<T> scratch;
-    scratch.reserve(4 * kTileRows * widest_);
+    scratch.reserve(7 * kTileRows * widest_);
 #pragma omp for schedule(static)
     for (ptrdiff_t c = 0; c < chunks; ++c) {
       T* gradient = partial.data() + c * gradient_size_;

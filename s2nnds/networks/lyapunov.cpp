@@ -8,8 +8,10 @@ namespace s2nnds {
 LyapunovImpl::LyapunovImpl(std::int64_t dimension, const LyapunovOptions& options, RandomStream& random,
                            torch::Dtype dtype)
     : squared_(options.form == "squared_norm"), quadratic_(squared_ ? options.quadratic : 0.0) {
-  check(squared_ || !options.network.bias, "networks.V: V(0) = 0 needs form = \"squared_norm\" or bias = false");
-  network = register_module("network", Mlp(dimension, squared_ ? options.features : 1, options.network, random, dtype));
+  check(squared_ || !options.network.bias,
+        "networks.V: V(0) = 0 needs form = \"squared_norm\" or bias = false");
+  network = register_module("network",
+                            Mlp(dimension, squared_ ? options.features : 1, options.network, random, dtype));
 }
 
 torch::Tensor LyapunovImpl::forward(const torch::Tensor& x) {

@@ -31,8 +31,8 @@ torch::Tensor activate(Activation activation, const torch::Tensor& z) {
 
 MlpImpl::MlpImpl(std::int64_t inputs, std::int64_t outputs, const MlpOptions& options, RandomStream& random,
                  torch::Dtype dtype) {
-  check(inputs > 0 && outputs > 0,
-        "network: found {} inputs and {} outputs, expected at least one each", inputs, outputs);
+  check(inputs > 0 && outputs > 0, "network: found {} inputs and {} outputs, expected at least one each",
+        inputs, outputs);
   std::int64_t from = inputs, count = 0;
   for (std::size_t l = 0; l <= options.hidden.size(); ++l) {
     const bool last = l == options.hidden.size();

@@ -37,7 +37,8 @@ void NetworkOptions::visit(FieldVisitor& v) {
 
 NetworkOptions paper_networks() {
   NetworkOptions options;
-  options.f = {.network = {.hidden = {64, 64, 64, 64}, .output_activation = "tanh", .bias = false}, .anchored = false};
+  options.f = {.network = {.hidden = {64, 64, 64, 64}, .output_activation = "tanh", .bias = false},
+               .anchored = false};
   options.V = {.network = {.hidden = {128, 128, 128}, .activation = "elu", .bias = false}, .form = "scalar"};
   options.B = {.network = {.hidden = {128, 128, 128}, .activation = "elu"}};
   return options;

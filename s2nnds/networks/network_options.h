@@ -11,18 +11,19 @@ namespace s2nnds {
 // Choices of one fully connected network.
 struct MlpOptions {
   std::vector<std::int64_t> hidden = {64, 64, 64};
-  std::string activation = "tanh";             // of the hidden layers
+  std::string activation = "tanh";  // of the hidden layers
   std::string output_activation = "identity";
   bool bias = true;
-  double first_layer_gain = 1.0;               // the first layer's start, times Xavier's
-  double first_layer_bias = 0.0;               // its biases start as N(0, this^2)
+  double first_layer_gain = 1.0;  // the first layer's start, times Xavier's
+  double first_layer_bias = 0.0;  // its biases start as N(0, this^2)
 
   void visit(FieldVisitor& v);
 };
 
 // The dynamics f: R^n -> R^n with f(0) = 0.
 //   anchored: f(x) = g(x) - g(0), g a network with biases (profile robust);
-//   else    : f = g without biases (profile paper). With odd activations f(-x) = -f(x) then, so that motions that
+//   else    : f = g without biases (profile paper). With odd activations f(-x) = -f(x) then, so that motions
+//   that
 //             pass through x and -x cannot be fitted.
 struct VectorFieldOptions {
   MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};
@@ -32,8 +33,9 @@ struct VectorFieldOptions {
 };
 
 // The Lyapunov function V: R^n -> R with V(0) = 0.
-//   squared_norm: V(x) = |phi(x) - phi(0)|^2 + quadratic |x|^2 (profile robust): V > 0 and grad V(0) = 0 by construction;
-//   scalar      : V = phi without biases (profile paper). grad V(0) is not 0 in general then, so V < 0 somewhere
+//   squared_norm: V(x) = |phi(x) - phi(0)|^2 + quadratic |x|^2 (profile robust): V > 0 and grad V(0) = 0 by
+//   construction; scalar      : V = phi without biases (profile paper). grad V(0) is not 0 in general then,
+//   so V < 0 somewhere
 //                 arbitrarily near the goal, which samples may miss.
 struct LyapunovOptions {
   MlpOptions network = {.hidden = {64, 64}};

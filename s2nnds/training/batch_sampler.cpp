@@ -1,5 +1,6 @@
 #include "s2nnds/training/batch_sampler.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "s2nnds/core/check.h"
@@ -7,8 +8,10 @@
 namespace s2nnds {
 namespace {
 
-constexpr double kNearestToGoal =
-    1e-3;  // least distance of the samples around the goal, share of the workspace
+// Shares of the workspace: the least distance of the samples around the goal, and the spread of the draws around a
+// counterexample.
+constexpr double kNearestToGoal = 1e-3;
+constexpr double kJitter = 0.005;
 
 // Whether the box surely or possibly meets the region; bisects a little, since enclosures of large boxes are
 // wide.
@@ -29,6 +32,22 @@ bool may_meet(const Region& region, const Box& box, int depth) {
 void append_some(Points& batch, Eigen::Index& at, const Points& from, Eigen::Index count,
                  RandomStream& random) {
   for (Eigen::Index i = 0; i < count; ++i) batch.row(at++) = from.row(random.below(from.rows()));
+}
+
+// Half of the draws are among the latest counterexamples: those of early rounds outnumber them by far, and
+// have mostly been cured. A little jitter covers the set that a counterexample stands for.
+void append_counterexamples(Points& batch, Eigen::Index& at, const Points& pool, Eigen::Index count,
+                            const BatchOptions& options, const Box& workspace, RandomStream& random) {
+  const Eigen::Index latest = std::min<Eigen::Index>(pool.rows(), options.latest);
+  for (Eigen::Index i = 0; i < count; ++i, ++at) {
+    const std::size_t back = random.below(i % 2 == 0 ? latest : pool.rows());
+    batch.row(at) = pool.row(pool.rows() - 1 - static_cast<Eigen::Index>(back));
+    for (Eigen::Index k = 0; k < batch.cols(); ++k) {
+      const double reach = 0.5 * (workspace.upper[k] - workspace.lower[k]);
+      batch(at, k) = std::clamp(batch(at, k) + kJitter * reach * random.normal(), workspace.lower[k],
+                                workspace.upper[k]);
+    }
+  }
 }
 
 Points some(const Points& from, Eigen::Index count, Eigen::Index dimension, RandomStream& random) {
@@ -102,7 +121,7 @@ Points BatchSampler::draw_workspace(RandomStream& random) const {
   const Eigen::Index goal = share(options_.share_goal, position_);
   Points x = uniform(options_.workspace, random);
   Eigen::Index at = 0;
-  append_some(x, at, pools_.workspace, counterexamples, random);
+  append_counterexamples(x, at, pools_.workspace, counterexamples, options_, problem_.workspace, random);
   append_some(x, at, near_band_, band, random);
   const double reach = problem_.workspace.half_widths().minCoeff();
   for (Eigen::Index i = 0; i < goal; ++i, ++at) {

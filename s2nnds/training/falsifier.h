@@ -30,7 +30,6 @@ class LocalSearchFalsifier : public CounterexampleSource {
   LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options, int starts = 200,
                        int steps = 20);
   std::string name() const override { return "local search"; }
-  bool only_when_clean() const override { return true; }
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
                        std::uint64_t seed, std::int64_t round) override;
 
