@@ -149,6 +149,7 @@ BranchResult branch_and_bound(Points lower, Points upper,
     const double left = limits.max_seconds - seconds_since(start);
     const bool stop = depth > limits.max_depth || result.boxes + level.lower.rows() > limits.max_boxes ||
                       open.refuted() >= limits.max_refuted || !(left > 0.0);
+    result.stopped = result.stopped || stop;
     if (!stop) result.boxes += examine(level, examiners, left);
     std::vector<Eigen::Index> undecided;
     for (Eigen::Index row = 0; row < level.lower.rows(); ++row) {

@@ -42,6 +42,7 @@ class BoxExaminer {
 
 struct BranchResult {
   bool proved = false;          // on all boxes
+  bool stopped = false;         // by a limit: boxes that could have been bisected are open
   std::int64_t boxes = 0;       // examined
   std::int64_t open_boxes = 0;  // neither proved nor bisected further
   double open_volume = 0.0;

@@ -1,0 +1,348 @@
+#include "s2nnds/verification/disturbance_margin.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/verification/network_function.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void raise_to(std::atomic<double>& value, double candidate) {
+  double seen = value;
+  while (candidate > seen && !value.compare_exchange_weak(seen, candidate)) {
+  }
+}
+
+// Above |grad y|_2 on each box of the tile.
+TileRow gradient_norm(ScalarEnclosure& function, const BoxTile& tile) {
+  TileRow sum;
+  for (Eigen::Index d = 0; d < tile.dimension(); ++d) {
+    const TileForm& partial = function.partial_derivative(tile, d);
+    sum += partial.upper(tile).max(-partial.lower(tile)).square();
+  }
+  return sum.sqrt() * (1.0 + 1e-13);
+}
+
+// What all the examiners below share: their functions, and boxes put into tiles.
+class TileExaminer : public BoxExaminer {
+ public:
+  TileExaminer(const ProofFunctions& functions, double resolution)
+      : barrier_(*functions.B, functions.f.get()),
+        lyapunov_(*functions.V, functions.f.get()),
+        tile_(functions.B->input_dimension()),
+        resolution_(resolution) {}
+
+  void examine(BoxBatch& batch) override {
+    for (Eigen::Index first = 0; first < batch.count; first += tile_boxes) {
+      const Eigen::Index count = std::min<Eigen::Index>(tile_boxes, batch.count - first);
+      tile_.assign(batch.lower, batch.upper, batch.first + first, count);
+      evaluate();
+      for (Eigen::Index lane = 0; lane < count; ++lane) {
+        const Eigen::Index row = batch.first + first + lane;
+        const Eigen::RowVectorXd lower = batch.lower.row(row), upper = batch.upper.row(row);
+        const bool narrow = (upper - lower).maxCoeff() <= resolution_;
+        batch.status[static_cast<std::size_t>(row)] =
+            judge(lane, lower.cwiseAbs().cwiseMax(upper.cwiseAbs()).norm() * (1.0 + 1e-13), narrow);
+      }
+    }
+  }
+
+ protected:
+  virtual void evaluate() = 0;
+  // `reach`: the largest |x|_2 of the box.
+  virtual BoxStatus judge(Eigen::Index lane, double reach, bool narrow) = 0;
+
+  ScalarEnclosure barrier_, lyapunov_;
+  BoxTile tile_;
+
+ private:
+  double resolution_;
+};
+
+// Bdot + delta |grad B| < 0 wherever B = 0.
+class BarrierExaminer final : public TileExaminer {
+ public:
+  // `weakest` is raised to the largest -(allowed disturbance) at the centres of boxes that {B = 0} may meet.
+  BarrierExaminer(const ProofFunctions& functions, double resolution, double disturbance,
+                  std::atomic<double>& weakest)
+      : TileExaminer(functions, resolution), disturbance_(disturbance), weakest_(weakest) {}
+
+ private:
+  void evaluate() override {
+    const TileForm& value = barrier_.value(tile_);
+    low_ = value.lower(tile_);
+    high_ = value.upper(tile_);
+    meets_ = !((low_ > 0.0) || (high_ < 0.0));
+    if (!meets_.any()) return;
+    const TileForm& rate = barrier_.lie_derivative(tile_);
+    rate_ = rate.upper(tile_);
+    center_rate_ = rate.value;
+    gradient_ = gradient_norm(barrier_, tile_);
+  }
+  BoxStatus judge(Eigen::Index lane, double, bool narrow) override {
+    if (!meets_(lane)) return BoxStatus::proved;
+    if (rate_(lane) + disturbance_ * gradient_(lane) * (1.0 + 1e-13) < -1e-300) {
+      raise_to(weakest_, center_rate_(lane) / gradient_(lane));
+      return BoxStatus::proved;
+    }
+    return narrow ? BoxStatus::abandoned : BoxStatus::undecided;
+  }
+
+  double disturbance_;
+  std::atomic<double>& weakest_;
+  TileRow low_, high_, rate_, center_rate_, gradient_;
+  Eigen::Array<bool, tile_boxes, 1> meets_;
+};
+
+// Vdot + delta |grad V| < 0 in {B <= 0}; where that cannot be shown, `level` is raised to V.
+class DescentExaminer final : public TileExaminer {
+ public:
+  DescentExaminer(const ProofFunctions& functions, double resolution, double disturbance,
+                  std::atomic<double>& level)
+      : TileExaminer(functions, resolution), disturbance_(disturbance), level_(level) {}
+
+ private:
+  void evaluate() override {
+    outside_ = barrier_.value(tile_).lower(tile_) > 0.0;
+    if (outside_.all()) return;
+    rate_ = lyapunov_.lie_derivative(tile_).upper(tile_);
+    rate_ += disturbance_ * gradient_norm(lyapunov_, tile_) * (1.0 + 1e-13);
+    value_ = lyapunov_.value(tile_).upper(tile_);
+  }
+  BoxStatus judge(Eigen::Index lane, double, bool narrow) override {
+    if (outside_(lane) || rate_(lane) < -1e-300 || value_(lane) <= level_) return BoxStatus::proved;
+    if (!narrow) return BoxStatus::undecided;
+    raise_to(level_, std::isnan(value_(lane)) ? infinity : value_(lane));
+    return BoxStatus::abandoned;
+  }
+
+  double disturbance_;
+  std::atomic<double>& level_;
+  TileRow rate_, value_;
+  Eigen::Array<bool, tile_boxes, 1> outside_;
+};
+
+// The ball around {V <= level} in {B <= 0}: `radius` is raised to hold every box that is not shown to lie
+// outside.
+class SublevelExaminer final : public TileExaminer {
+ public:
+  SublevelExaminer(const ProofFunctions& functions, double resolution, double level,
+                   std::atomic<double>& radius)
+      : TileExaminer(functions, resolution), level_(level), radius_(radius) {}
+
+ private:
+  void evaluate() override {
+    outside_ = barrier_.value(tile_).lower(tile_) > 0.0;
+    const TileForm& value = lyapunov_.value(tile_);
+    outside_ = outside_ || value.lower(tile_) > level_;
+    inside_ = value.upper(tile_) <= level_;
+  }
+  BoxStatus judge(Eigen::Index lane, double reach, bool narrow) override {
+    if (outside_(lane) || reach <= radius_) return BoxStatus::proved;
+    if (!inside_(lane) && !narrow) return BoxStatus::undecided;
+    raise_to(radius_, reach);
+    return BoxStatus::proved;
+  }
+
+  double level_;
+  std::atomic<double>& radius_;
+  Eigen::Array<bool, tile_boxes, 1> outside_, inside_;
+};
+
+class Search {
+ public:
+  Search(const ProofFunctions& functions, const SafetyProblem& problem, const DisturbanceOptions& options)
+      : functions_(functions), problem_(problem), options_(options) {
+    limits_.max_boxes = options.max_boxes;
+    limits_.kept_boxes = 0;
+    limits_.threads = static_cast<int>(options.threads);
+  }
+
+  // Whether the barrier withstands the disturbance; `weakest` as in BarrierExaminer.
+  bool withstands(double disturbance, std::atomic<double>& weakest) {
+    const double resolution = options_.resolution * width();
+    return run([&] {
+             return std::make_unique<BarrierExaminer>(functions_, resolution, disturbance, weakest);
+           })
+        .proved;
+  }
+
+  double radius(double disturbance) {
+    const double resolution = options_.radius_resolution * width();
+    std::atomic<double> level = 0.0, radius = 0.0;
+    const BranchResult descent =
+        run([&] { return std::make_unique<DescentExaminer>(functions_, resolution, disturbance, level); });
+    // Abandoned boxes lie in the sublevel set by now; boxes that a limit left open do not.
+    if (descent.stopped || !(level < infinity)) return infinity;
+    const double found = level;
+    const BranchResult sublevel =
+        run([&] { return std::make_unique<SublevelExaminer>(functions_, resolution, found, radius); });
+    return sublevel.proved ? radius.load() : infinity;
+  }
+
+  std::int64_t boxes() const { return boxes_; }
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  bool out_of_time() const { return seconds() > options_.max_seconds; }
+
+ private:
+  double width() const { return (problem_.workspace.upper - problem_.workspace.lower).maxCoeff(); }
+
+  template <typename Factory>
+  BranchResult run(const Factory& factory) {
+    limits_.max_seconds = options_.max_seconds - seconds();
+    const BranchResult result = branch_and_bound(
+        problem_.workspace.lower.transpose(), problem_.workspace.upper.transpose(),
+        [&]() -> std::unique_ptr<BoxExaminer> { return factory(); }, limits_);
+    boxes_ += result.boxes;
+    return result;
+  }
+  const ProofFunctions& functions_;
+  const SafetyProblem& problem_;
+  DisturbanceOptions options_;
+  BranchLimits limits_;
+  std::int64_t boxes_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+double lipschitz(Activation activation) { return activation == Activation::silu ? 1.1 : 1.0; }
+
+// Above |sigma(z)| for |z| <= size.
+double activation_size(Activation activation, double size) {
+  switch (activation) {
+    case Activation::tanh:
+    case Activation::sine:
+      return std::min(1.0, size);
+    case Activation::elu:
+    case Activation::softplus:
+      return size + 0.7;
+    case Activation::identity:
+    case Activation::silu:
+      break;
+  }
+  return size;
+}
+
+}  // namespace
+
+void DisturbanceOptions::visit(FieldVisitor& v) {
+  v.field("tolerance", tolerance, inside(0.0, 1.0));
+  v.field("max_boxes", max_boxes, at_least(1));
+  v.field("resolution", resolution, inside(0.0, 1.0));
+  v.field("radius_resolution", radius_resolution, inside(0.0, 1.0));
+  v.field("max_seconds", max_seconds, above(0.0));
+  v.field("threads", threads, between(0, 4096));
+}
+
+DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem,
+                                     const DisturbanceOptions& options) {
+  validate(options);
+  Search search(functions, problem, options);
+  DisturbanceMargin result;
+  std::atomic<double> weakest = -infinity;
+  if (search.withstands(0.0, weakest) && std::isfinite(weakest)) {
+    // The centres' ratios say where to look; what counts is what each step proves.
+    double low = 0.0, high = -1.2 * weakest;
+    while (high < 1e9 && !search.out_of_time() && search.withstands(high, weakest)) {
+      low = high;
+      high *= 1.5;
+    }
+    while (high - low > options.tolerance * high && high > 1e-9 && !search.out_of_time()) {
+      const double middle = 0.5 * (low + high);
+      (search.withstands(middle, weakest) ? low : high) = middle;
+    }
+    result.margin = low;
+  }
+  result.convergence_radius = result.margin > 0.0 ? search.radius(result.margin) : infinity;
+  result.boxes = search.boxes();
+  result.seconds = search.seconds();
+  return result;
+}
+
+double convergence_radius(const ProofFunctions& functions, const SafetyProblem& problem, double disturbance,
+                          const DisturbanceOptions& options) {
+  validate(options);
+  check(disturbance >= 0.0, "convergence radius: the disturbance is {}, expected >= 0", disturbance);
+  return Search(functions, problem, options).radius(disturbance);
+}
+
+namespace {
+
+constexpr double float_roundoff = 0x1p-24;
+constexpr double float_tiny = 1e-35;  // gradual underflow, summed over a layer
+
+// |y_float32 - y| for each output at boxes around `center`.
+Vector propagate(const LayerStack& network, const Vector& center, const Vector& half) {
+  constexpr double slack = 1.0 + 1e-9;
+  Vector middle = center, reach = half;  // a lies within middle +- reach
+  Vector error = 6.0 * float_roundoff * (center.cwiseAbs() + half);
+  for (const Layer& layer : network.layers) {
+    const Points size = layer.weight.cwiseAbs();
+    const Vector bias = layer.bias.size() > 0 ? layer.bias : Vector::Zero(layer.weight.rows());
+    const Vector largest = middle.cwiseAbs() + reach + error;
+    const double rounding = 1.01 * (static_cast<double>(layer.weight.cols()) + 4.0) * float_roundoff;
+    error = slack * (size * error + rounding * (size * largest + bias.cwiseAbs()));
+    error.array() += float_tiny;
+    reach = slack * (size * reach);
+    reach.array() += 1e-12 * (size * middle.cwiseAbs() + bias.cwiseAbs()).array();
+    middle = layer.weight * middle + bias;
+    if (layer.activation == Activation::identity) continue;
+    for (Eigen::Index i = 0; i < error.size(); ++i) {
+      const double low = middle(i) - reach(i) - error(i), high = middle(i) + reach(i) + error(i);
+      const double farthest = std::max(std::abs(low), std::abs(high));
+      double slope = lipschitz(layer.activation), nearest = low > 0.0 ? low : (high < 0.0 ? -high : 0.0);
+      if (layer.activation == Activation::tanh) {  // falls with |z|
+        const double t = std::max(0.0, std::tanh(nearest) - 1e-12);
+        slope = 1.0 - t * t;
+        const double a = std::tanh(low), b = std::tanh(high);
+        middle(i) = 0.5 * (a + b);
+        reach(i) = 0.5 * (b - a) + 1e-12;
+      } else {
+        middle(i) = 0.0;
+        reach(i) = activation_size(layer.activation, farthest);
+      }
+      const double unit = std::max(activation_size(layer.activation, farthest), 1.0);
+      error(i) = slack * slope * error(i) + 8.0 * 2.0 * float_roundoff * unit;
+    }
+  }
+  const Vector size = middle.cwiseAbs() + reach + error;
+  return error + 4.0 * float_roundoff * size;
+}
+
+}  // namespace
+
+double float32_error(const LayerStack& network, const Box& box) {
+  network.check();
+  check(network.head != Head::squared_norm, "float32 error: expected a vector field");
+  const Eigen::Index n = box.dimension();
+  check(n == network.input_dimension() && box.is_finite(),
+        "float32 error: expected a bounded box of dimension {}", network.input_dimension());
+  // A grid of some 4,000 cells: on small boxes activations are not steeper than they are.
+  const auto side = static_cast<Eigen::Index>(std::max(2.0, std::floor(std::pow(4096.0, 1.0 / double(n)))));
+  Eigen::Index cells = 1;
+  for (Eigen::Index d = 0; d < n; ++d) cells *= side;
+  const Vector offset = network.head == Head::anchored ? propagate(network, Vector::Zero(n), Vector::Zero(n))
+                                                       : Vector::Zero(network.output_dimension());
+  const Vector half = (box.upper - box.lower) / (2.0 * double(side)) * (1.0 + 1e-9);
+  double largest = 0.0;
+  for (Eigen::Index cell = 0; cell < cells; ++cell) {
+    Vector center(n);
+    for (Eigen::Index d = 0, rest = cell; d < n; ++d, rest /= side) {
+      center(d) = box.lower(d) + (box.upper(d) - box.lower(d)) * (double(rest % side) + 0.5) / double(side);
+    }
+    const double found = (propagate(network, center, half) + offset).norm();
+    if (!(found <= largest)) largest = found;
+    if (std::isnan(found)) return infinity;
+  }
+  return largest * (1.0 + 1e-9);
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,112 @@
+#include "s2nnds/verification/disturbance_margin.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/verification/polynomial_function.h"
+#include "tests/verification/exact_network.h"
+
+namespace s2nnds {
+namespace {
+
+Polynomial sum_of_squares(double x, double y, double constant) {
+  return Polynomial((Vector(3) << x, y, constant).finished(),
+                    (Eigen::MatrixXi(3, 2) << 2, 0, 0, 2, 0, 0).finished());
+}
+Polynomial linear(double x, double y) {
+  return Polynomial((Vector(2) << x, y).finished(), (Eigen::MatrixXi(2, 2) << 1, 0, 0, 1).finished());
+}
+
+// xdot = -x, V = x^2 + y^2, B = x^2 / a^2 + y^2 - 1.
+ProofFunctions contracting(double a) {
+  return {std::make_shared<PolynomialFunction>(std::vector{linear(-1.0, 0.0), linear(0.0, -1.0)}),
+          std::make_shared<PolynomialFunction>(std::vector{sum_of_squares(1.0, 1.0, 0.0)}),
+          std::make_shared<PolynomialFunction>(std::vector{sum_of_squares(1.0 / (a * a), 1.0, -1.0)})};
+}
+
+SafetyProblem plain_problem() {
+  SafetyProblem problem;
+  problem.workspace = Box::cube(2, 1.25);
+  problem.initial = ball(Vector::Constant(2, 0.1), 0.1);
+  problem.unsafe = empty_region(2);
+  return problem;
+}
+
+// On the circle Bdot = -2 and |grad B| = 2: the margin is 1. On the ellipse it is the least distance of a
+// tangent from the centre, the shorter half-axis.
+TEST(DisturbanceMargin, IsKnownForContractionOnAnEllipse) {
+  for (double a : {1.0, 0.5, 0.8}) {
+    const DisturbanceMargin found = disturbance_margin(contracting(a), plain_problem());
+    EXPECT_LE(found.margin, std::min(a, 1.0)) << a;
+    EXPECT_GE(found.margin, 0.95 * std::min(a, 1.0)) << a;
+  }
+}
+
+// Vdot + 2 |x| w < 0 iff |x| > w.
+TEST(DisturbanceMargin, ConvergesToTheBallWhereTheDisturbanceWins) {
+  for (double disturbance : {0.1, 0.3}) {
+    const double radius = convergence_radius(contracting(1.0), plain_problem(), disturbance);
+    EXPECT_GE(radius, disturbance);
+    EXPECT_LE(radius, disturbance + 0.05);
+  }
+}
+
+TEST(DisturbanceMargin, NothingIsCertifiedWhereTheBarrierFails) {
+  ProofFunctions functions = contracting(1.0);
+  functions.f = std::make_shared<PolynomialFunction>(std::vector{linear(1.0, 0.0), linear(0.0, -1.0)});
+  DisturbanceOptions options;
+  options.max_boxes = 20000;
+  const DisturbanceMargin found = disturbance_margin(functions, plain_problem(), options);
+  EXPECT_EQ(found.margin, 0.0);
+  EXPECT_TRUE(std::isinf(found.convergence_radius));
+}
+
+TEST(DisturbanceMargin, DoesNotDependOnTheNumberOfThreads) {
+  DisturbanceOptions options;
+  options.threads = 1;
+  const DisturbanceMargin one = disturbance_margin(contracting(0.7), plain_problem(), options);
+  options.threads = 2;
+  const DisturbanceMargin two = disturbance_margin(contracting(0.7), plain_problem(), options);
+  EXPECT_EQ(one.margin, two.margin);
+}
+
+Eigen::VectorXf in_float32(const LayerStack& stack, Eigen::VectorXf x) {
+  for (const Layer& layer : stack.layers) {
+    Eigen::VectorXf z = Eigen::VectorXf::Zero(layer.weight.rows());
+    for (Eigen::Index i = 0; i < z.size(); ++i) {
+      for (Eigen::Index k = 0; k < layer.weight.cols(); ++k)
+        z(i) += static_cast<float>(layer.weight(i, k)) * x(k);
+      z(i) += static_cast<float>(layer.bias(i));
+      if (layer.activation == Activation::tanh) z(i) = std::tanh(z(i));
+      if (layer.activation == Activation::elu) z(i) = z(i) > 0.0F ? z(i) : std::expm1(z(i));
+    }
+    x = z;
+  }
+  return x;
+}
+
+TEST(Float32Error, BoundsTheErrorWithoutLosingSight) {
+  RandomStream random(1, "float32");
+  for (Activation activation : {Activation::tanh, Activation::elu}) {
+    const LayerStack f = random_stack({2, 32, 32, 2}, activation, Head::anchored, random, 1.0);
+    const double bound = float32_error(f, Box::cube(2, 1.25));
+    double largest = 0.0;
+    for (int i = 0; i < 20000; ++i) {
+      const Points x = (Points(1, 2) << random.uniform(-1.25, 1.25), random.uniform(-1.25, 1.25)).finished();
+      const Eigen::VectorXf single = x.row(0).transpose().cast<float>();
+      const Eigen::VectorXf y = in_float32(f, single) - in_float32(f, Eigen::VectorXf::Zero(2));
+      largest = std::max(largest, (y.cast<double>() - f.value(x).row(0).transpose()).norm());
+    }
+    EXPECT_LE(largest, bound) << to_string(activation);
+    EXPECT_LE(bound, 3000.0 * largest) << to_string(activation);
+    EXPECT_LT(bound, 1e-2) << to_string(activation);
+  }
+  EXPECT_THROW(
+      float32_error(random_stack({2, 4, 4}, Activation::tanh, Head::squared_norm, random), Box::cube(2, 1.0)),
+      Error);
+}
+
+}  // namespace
+}  // namespace s2nnds
