@@ -26,10 +26,19 @@ void use_threads(const CommonArguments& common) {
   if (common.threads > 0) omp_set_num_threads(common.threads);
 }
 
-int finish(const RunRecord& record, const std::string& path, const CommonArguments& common) {
+void report(const RunRecord& record, const std::string& path, const CommonArguments& common) {
   print_summary(record, path);
   if (common.json) fmt::print("{}\n", summary_json(record, path));
-  return record.certificate.guarantee == "none" ? kNotVerified : kVerified;
+}
+
+// Whether the run has at least the guarantee that its configuration asks for.
+int exit_code(const Setup& setup, const RunRecord& record) {
+  const std::string& method = setup.config.verification.method;
+  const Guarantee wanted = method == "proof"
+                               ? (setup.problem.shell ? Guarantee::invariant : Guarantee::proved)
+                           : method == "conformal" ? Guarantee::conformal
+                                                   : Guarantee::sampled;
+  return guarantee_from(record.certificate.guarantee) >= wanted ? kVerified : kNotVerified;
 }
 
 // Found out before hours of training are lost.
@@ -71,6 +80,7 @@ TrainingStart start_from_run(const TrainArguments& arguments, const std::string&
   start.path = arguments.out.empty() ? arguments.resume : arguments.out;
   check_writable(start.path);
   start.record = load_run(arguments.resume);
+  check(start.record.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from", arguments.resume);
   start.setup = set_up(start.record, data);
   return start;
 }
@@ -78,7 +88,8 @@ TrainingStart start_from_run(const TrainArguments& arguments, const std::string&
 void verify_and_evaluate(const Setup& setup, RunRecord& record) {
   const VerificationOptions& options = setup.config.verification;
   s2nnds::verify(setup, record, "sampled", options);
-  if (options.method == "conformal") s2nnds::verify(setup, record, "conformal", options);
+  if (options.method != "sampled") s2nnds::verify(setup, record, "conformal", options);
+  if (options.method == "proof") s2nnds::verify(setup, record, "proof", options);
   s2nnds::evaluate(setup, record);
 }
 
@@ -99,7 +110,8 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
   }
   verify_and_evaluate(start.setup, start.record);
   save_run(start.path, start.record);
-  return finish(start.record, start.path, common);
+  report(start.record, start.path, common);
+  return exit_code(start.setup, start.record);
 }
 
 int verify(const VerifyArguments& arguments, const CommonArguments& common) {
@@ -114,9 +126,10 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   validate(options);
   s2nnds::verify(setup, record, arguments.method, options);
   save_run(arguments.run, record);
-  finish(record, arguments.run, common);
+  report(record, arguments.run, common);
+  const std::string wanted = arguments.method == "proof" ? "proved" : "passed";
   for (const ConditionVerdict& verdict : record.certificate.conditions) {
-    if (verdict.method == arguments.method && verdict.verdict != "passed") return kNotVerified;
+    if (verdict.method == arguments.method && verdict.verdict != wanted) return kNotVerified;
   }
   return kVerified;
 }
@@ -128,7 +141,8 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
   const Setup setup = set_up(record, data_directory(common.data));
   s2nnds::evaluate(setup, record);
   save_run(arguments.run, record);
-  return finish(record, arguments.run, common);
+  report(record, arguments.run, common);
+  return exit_code(setup, record);
 }
 
 int export_policy(const ExportArguments& arguments, const CommonArguments& common) {

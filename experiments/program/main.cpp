@@ -46,8 +46,8 @@ int run(int argc, char** argv) {
   VerifyArguments verification;
   sub = command("verify", "check the networks of a stored run");
   sub->add_option("run", verification.run, "run file")->required();
-  sub->add_option("--method", verification.method, "sampled or conformal")
-      ->check(CLI::IsMember({"sampled", "conformal"}));
+  sub->add_option("--method", verification.method, "sampled, conformal or proof")
+      ->check(CLI::IsMember({"sampled", "conformal", "proof"}));
   sub->add_option("--samples", verification.samples, "samples a region");
   sub->add_option("--epsilon", verification.epsilon, "conformal: share of a region that may be violated");
   sub->add_option("--beta", verification.beta, "conformal: one minus the confidence");
@@ -80,6 +80,10 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
     return app.exit(e);
+  } catch (const CLI::RequiredError& e) {
+    // Without a command, CLI11 tells neither what was found instead nor what there is.
+    const bool other_word = app.get_subcommands().empty() && argc > 1;
+    s2nnds::fail("{}{}", other_word ? fmt::format("unknown command {}: ", argv[1]) : "", e.what());
   } catch (const CLI::ParseError& e) {
     fmt::print(stderr, "s2nnds: {}\n", e.what());
     return kBadInput;

@@ -46,7 +46,12 @@ void print_summary(const RunRecord& record, const std::string& path) {
   fmt::print("{} (seed {}): guarantee {}\n", record.name, record.seed, certificate.guarantee);
   if (!certificate.statement.empty()) fmt::print("  {}\n", certificate.statement);
   for (const ConditionVerdict& v : certificate.conditions) {
-    fmt::print("  {:<18} {:<10} {:<9} samples {} violations {} worst {:.3g}", v.condition, v.method,
+    if (v.method == "proof") {
+      fmt::print("  {:<20} {:<10} {:<9} boxes {} open {} (volume {:.3g})\n", v.condition, v.method, v.verdict,
+                 v.boxes, v.open_boxes, v.open_volume);
+      continue;
+    }
+    fmt::print("  {:<20} {:<10} {:<9} samples {} violations {} worst {:.3g}", v.condition, v.method,
                v.verdict, v.samples, v.violations, v.worst);
     if (v.method == "conformal") {
       fmt::print(" p {:.3g} (l = {}, eps = {:.3g}, beta = {:.3g}, tightest eps {:.3g})", v.quantile, v.order,

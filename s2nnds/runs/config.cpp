@@ -21,9 +21,11 @@ struct ProfileOnly {
 }  // namespace
 
 void VerificationOptions::visit(FieldVisitor& v) {
-  v.field("method", method, {"sampled", "conformal"});
+  v.field("method", method, {"sampled", "conformal", "proof"});
   v.group("sampled", sampled);
   v.group("conformal", conformal);
+  v.group("proof", proof);
+  v.group("disturbance", disturbance);
 }
 
 void EvaluationOptions::visit(FieldVisitor& v) {
@@ -53,6 +55,7 @@ Config default_config(const std::string& profile) {
   config.problem.contain = false;
   config.networks = paper_networks();
   config.training = paper_training();
+  config.verification.method = "conformal";
   return config;
 }
 

@@ -10,13 +10,19 @@
 #include "s2nnds/problem/safety_problem.h"
 #include "s2nnds/training/trainer_options.h"
 #include "s2nnds/verification/conformal.h"
+#include "s2nnds/verification/disturbance_margin.h"
+#include "s2nnds/verification/prover.h"
 
 namespace s2nnds {
 
 struct VerificationOptions {
-  std::string method = "conformal";  // what `train` ends with: sampled, conformal
+  // What `train` ends with: sampled, conformal, or proof. With proof, the prover's open boxes also go back
+  // into training.
+  std::string method = "proof";
   SampledOptions sampled;
   ConformalOptions conformal;
+  ProofOptions proof;
+  DisturbanceOptions disturbance;
 
   void visit(FieldVisitor& v);
 };

@@ -7,7 +7,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
-#include "s2nnds/networks/evaluator.h"
+#include "s2nnds/runs/proof_source.h"
 #include "s2nnds/runs/training_checkpoint.h"
 #include "s2nnds/training/falsifier.h"
 
@@ -34,15 +34,74 @@ void set_timing(RunRecord& record, const std::string& name, double seconds) {
   record.timing.emplace_back(name, seconds);
 }
 
-// Every condition that has a verdict of this method passed, and there is at least one.
-bool passed(const Certificate& certificate, const std::string& method) {
+// Every condition that has a verdict of this method has `verdict`, and there is at least one.
+bool all_are(const Certificate& certificate, const std::string& method, const std::string& verdict) {
   bool any = false;
-  for (const ConditionVerdict& verdict : certificate.conditions) {
-    if (verdict.method != method) continue;
+  for (const ConditionVerdict& found : certificate.conditions) {
+    if (found.method != method) continue;
     any = true;
-    if (verdict.verdict != "passed") return false;
+    if (found.verdict != verdict) return false;
   }
   return any;
+}
+
+constexpr const char* kGoalIsSafe = "goal_is_safe";                  // B(0) <= 0
+constexpr const char* kInitialInWorkspace = "initial_in_workspace";  // X0 lies in X
+
+bool is_proved(const Certificate& certificate, std::string_view condition) {
+  for (const ConditionVerdict& found : certificate.conditions) {
+    if (found.method == "proof" && found.condition == condition) return found.verdict == "proved";
+  }
+  return false;
+}
+
+// The strongest guarantee that the verdicts on these weights support.
+Guarantee guarantee_of(const Certificate& certificate, const SafetyProblem& problem) {
+  if (all_are(certificate, "proof", "proved")) return Guarantee::invariant;
+  bool proved = true;
+  for (Condition condition : all_conditions) {
+    if (condition == Condition::containment && !problem.shell) continue;
+    proved = proved && is_proved(certificate, to_string(condition));
+  }
+  if (proved) return Guarantee::proved;
+  if (all_are(certificate, "conformal", "passed")) return Guarantee::conformal;
+  return all_are(certificate, "sampled", "passed") ? Guarantee::sampled : Guarantee::none;
+}
+
+ConditionVerdict side_condition(const char* name, bool holds) {
+  ConditionVerdict verdict;
+  verdict.condition = name;
+  verdict.method = "proof";
+  verdict.verdict = holds ? "proved" : "undecided";
+  return verdict;
+}
+
+// The proof's verdicts on all conditions and on what invariance needs besides; open boxes go into the record.
+std::vector<ConditionVerdict> verify_by_proof(const Setup& setup, RunRecord& record,
+                                              const VerificationOptions& options) {
+  const ProofFunctions functions = ProofFunctions::of(record.networks);
+  const ProofResult result = prove(functions, setup.problem, record.certificate.band, options.proof);
+  std::vector<ConditionVerdict> verdicts;
+  record.open_boxes.clear();
+  for (const ConditionProof& proof : result.conditions) {
+    verdicts.push_back(proof.verdict);
+    if (proof.open_lower.rows() == 0) continue;
+    Points corners(proof.open_lower.rows(), 2 * proof.open_lower.cols());
+    corners << proof.open_lower, proof.open_upper;
+    record.open_boxes.emplace_back(std::string(to_string(proof.condition)), corners);
+  }
+  verdicts.push_back(side_condition(kGoalIsSafe, result.goal_is_safe));
+  verdicts.push_back(side_condition(kInitialInWorkspace, result.initial_in_workspace));
+  record.certificate.disturbance_margin = record.certificate.convergence_radius = 0.0;
+  if (result.guarantee == Guarantee::invariant) {
+    const DisturbanceMargin margin = disturbance_margin(functions, setup.problem, options.disturbance);
+    record.certificate.disturbance_margin = margin.margin;
+    record.certificate.convergence_radius = margin.convergence_radius;
+    record.certificate.float32_error = float32_error(record.networks.f, setup.problem.workspace);
+    set_timing(record, "disturbance_margin", margin.seconds);
+  }
+  set_timing(record, "proof", result.seconds);
+  return verdicts;
 }
 
 Points grid_points(const std::vector<Vector>& axes) {
@@ -142,6 +201,11 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
   const FalsifierOptions search{config.training.samples, config.training.pool_additions};
   trainer.add_source(std::make_shared<RandomFalsifier>(setup.problem, search));
   trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
+  if (config.verification.method == "proof") {
+    ProofOptions quick = ProofOptions::fail_fast();
+    if (setup.problem.dimension() > 2) quick.max_boxes = config.verification.proof.max_boxes;
+    trainer.add_source(std::make_shared<ProofSource>(quick, config.training.pool_additions));
+  }
   trainer.set_rollout_labels(
       [&](const LayerStack& f, const Points& starts) { return rollout_is_safe(f, setup.problem, starts); });
   double before = 0.0;
@@ -183,18 +247,19 @@ void verify(const Setup& setup, RunRecord& record, const std::string& method,
   std::vector<ConditionVerdict> verdicts;
   if (method == "sampled") {
     verdicts = verify_sampled(record.networks, setup.problem, certificate.band, options.sampled, record.seed);
-  } else {
-    check(method == "conformal", "verification: found method \"{}\", expected sampled or conformal", method);
+  } else if (method == "conformal") {
     verdicts = verify_conformal(record.networks, setup.problem, certificate.band, options.conformal,
                                 record.seed, certificate.attempts + 1);
     ++certificate.attempts;
+  } else {
+    check(method == "proof", "verification: found method \"{}\", expected sampled, conformal or proof",
+          method);
+    verdicts = verify_by_proof(setup, record, options);
   }
   std::erase_if(certificate.conditions, [&](const ConditionVerdict& old) { return old.method == method; });
   certificate.conditions.insert(certificate.conditions.end(), verdicts.begin(), verdicts.end());
   certificate.method = method;
-  certificate.guarantee = std::string(to_string(passed(certificate, "conformal") ? Guarantee::conformal
-                                                : passed(certificate, "sampled") ? Guarantee::sampled
-                                                                                 : Guarantee::none));
+  certificate.guarantee = std::string(to_string(guarantee_of(certificate, setup.problem)));
   certificate.statement = guarantee_statement(record);
   set_timing(record, "verification_" + method, watch.seconds());
 }
@@ -226,18 +291,48 @@ void evaluate(const Setup& setup, RunRecord& record) {
   set_timing(record, "evaluation", watch.seconds());
 }
 
-std::string guarantee_statement(const RunRecord& record) {
-  const Certificate& certificate = record.certificate;
-  const std::string caveat =
-      " It speaks of the kinematic motion xdot = f(x) in normalised, goal-centred coordinates, not of a "
-      "robot's tracking "
-      "error.";
-  if (certificate.guarantee == "none") {
-    return "Nothing is guaranteed: a condition was violated at a sampled point, or nothing was checked.";
+namespace {
+
+std::string proof_statement(const RunRecord& record) {
+  const Certificate& c = record.certificate;
+  std::string text = fmt::format(
+      "Proved for every point of the workspace, in exact arithmetic for the networks with these "
+      "double-precision weights "
+      "(rounding of the proof itself is covered): V > 0 and V decreases along motions everywhere but at the "
+      "goal, B <= 0 on the "
+      "initial set, B > 0 on the unsafe set{}, and B decreases where |B| <= {}. ",
+      record.problem.containment > 0 ? " and on the workspace's outer shell" : "", number(c.band));
+  if (c.guarantee != "invariant") {
+    return text +
+           "It is not proved that {B <= 0} lies inside the workspace, so a motion is covered only while it "
+           "stays inside.";
   }
+  text +=
+      "{B <= 0} lies inside the workspace and contains the initial set, so every motion xdot = f(x) that "
+      "starts in it stays in "
+      "it for ever, never touches the unsafe set, and converges to the goal.";
+  if (!(c.disturbance_margin > 0)) return text + " No margin against disturbances was certified.";
+  const double unit = record.data.normalization.velocity_scale,
+               length = record.data.normalization.position_scale;
+  text += fmt::format(
+      " It also stays there under any disturbance xdot = f(x) + w with |w| <= {} (normalised; {} {}/s)",
+      number(c.disturbance_margin), number(c.disturbance_margin * unit), record.data.unit);
+  if (c.convergence_radius < record.problem.workspace.half_widths().minCoeff()) {
+    text +=
+        fmt::format(", and then converges to a ball of radius {} ({} {}) around the goal",
+                    number(c.convergence_radius), number(c.convergence_radius * length), record.data.unit);
+  }
+  text += fmt::format(". Evaluating f in float32 is wrong by at most {} (normalised), which this margin {}.",
+                      number(c.float32_error),
+                      c.float32_error < c.disturbance_margin ? "covers" : "does NOT cover");
+  return text;
+}
+
+std::string sample_statement(const RunRecord& record) {
+  const Certificate& certificate = record.certificate;
+  const std::string& method = certificate.guarantee;
   std::int64_t samples = 0, attempt = 0;
   double epsilon = 0.0, confidence = 0.0;
-  const std::string method = certificate.guarantee;
   for (const ConditionVerdict& verdict : certificate.conditions) {
     if (verdict.method != method) continue;
     samples = std::max(samples, verdict.samples);
@@ -247,25 +342,34 @@ std::string guarantee_statement(const RunRecord& record) {
   }
   if (method == "sampled") {
     return fmt::format(
-               "No violation of any condition was found among {} uniform samples of the workspace (fewer in "
-               "the smaller "
-               "regions), seed {}. That is no statement about the points between them.",
-               samples, record.seed) +
-           caveat;
+        "No violation of any condition was found among {} uniform samples of the workspace (fewer in the "
+        "smaller regions), "
+        "seed {}. That is no statement about the points between them.",
+        samples, record.seed);
   }
   return fmt::format(
-             "With confidence 1 - {} (attempt {}, {} fresh samples a region, seed {}), each condition holds "
-             "on all but a share "
-             "of at most epsilon = {} of its region: V decreases along motions in the workspace, B <= 0 on "
-             "the initial set, B "
-             "> 0 on the unsafe set{}, and B decreases where |B| <= {}. This is a statement about random "
-             "points, one at a "
-             "time; a violation on a smaller set is not excluded, so it does not prove that every motion is "
-             "safe.",
-             number(confidence), attempt, samples, record.seed, number(epsilon),
-             record.problem.containment > 0 ? " and on the workspace's outer shell" : "",
-             number(certificate.band)) +
-         caveat;
+      "With confidence 1 - {} (attempt {}, {} fresh samples a region, seed {}), each condition holds on all "
+      "but a share of at "
+      "most epsilon = {} of its region: V decreases along motions in the workspace, B <= 0 on the initial "
+      "set, B > 0 on the "
+      "unsafe set{}, and B decreases where |B| <= {}. This is a statement about random points, one at a "
+      "time; a violation on a "
+      "smaller set is not excluded, so it does not prove that every motion is safe.",
+      number(confidence), attempt, samples, record.seed, number(epsilon),
+      record.problem.containment > 0 ? " and on the workspace's outer shell" : "", number(certificate.band));
+}
+
+}  // namespace
+
+std::string guarantee_statement(const RunRecord& record) {
+  const std::string& guarantee = record.certificate.guarantee;
+  if (guarantee == "none") {
+    return "Nothing is guaranteed: a condition was violated at a sampled point, or nothing was checked.";
+  }
+  const bool proof = guarantee == "proved" || guarantee == "invariant";
+  return (proof ? proof_statement(record) : sample_statement(record)) +
+         " It speaks of the kinematic motion in normalised, goal-centred coordinates, not of a robot's "
+         "tracking error.";
 }
 
 std::string summary_json(const RunRecord& record, const std::string& path) {
@@ -282,6 +386,20 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
     ordered_json& entry = json["conditions"][verdict.condition][verdict.method];
     entry = {{"verdict", verdict.verdict}, {"samples", verdict.samples}, {"violations", verdict.violations}};
     entry["worst"] = real(verdict.worst);
+    if (verdict.method == "proof") {
+      entry = {{"verdict", verdict.verdict},
+               {"boxes", verdict.boxes},
+               {"open_boxes", verdict.open_boxes},
+               {"open_volume", verdict.open_volume},
+               {"witness", verdict.witness}};
+    }
+    if (verdict.method == "proof") {
+      entry = {{"verdict", verdict.verdict},
+               {"boxes", verdict.boxes},
+               {"open_boxes", verdict.open_boxes},
+               {"open_volume", verdict.open_volume},
+               {"witness", verdict.witness}};
+    }
     if (verdict.method == "conformal") {
       entry["p"] = real(verdict.quantile);
       entry["l"] = verdict.order;
@@ -303,6 +421,12 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   json["safe_area"] = real(e.safe_area);
   json["true_safe_area"] = real(e.true_safe_area);
   json["safe_area_ratio"] = real(e.safe_area_ratio);
+  json["disturbance_margin"] = real(record.certificate.disturbance_margin);
+  json["convergence_radius"] = real(record.certificate.convergence_radius);
+  json["float32_error"] = real(record.certificate.float32_error);
+  json["disturbance_margin"] = real(record.certificate.disturbance_margin);
+  json["convergence_radius"] = real(record.certificate.convergence_radius);
+  json["float32_error"] = real(record.certificate.float32_error);
   json["rounds"] = record.checkpoint ? record.checkpoint->round : 0;
   json["weight_hash"] = record.certificate.weight_hash;
   json["statement"] = record.certificate.statement;

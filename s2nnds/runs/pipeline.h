@@ -40,9 +40,9 @@ struct TrainingHooks {
 // history and checkpoint. Returns whether the last round ended clean.
 TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks& hooks);
 
-// Verifies the record's networks by "sampled" or "conformal" and updates its certificate: the guarantee is
-// the strongest one that these weights have passed. Each conformal call is a further attempt, which spends
-// its share of beta.
+// Verifies the record's networks by "sampled", "conformal" or "proof" and updates its certificate: the
+// guarantee is the strongest one that these weights have passed. Each conformal call is a further attempt,
+// which spends its share of beta.
 void verify(const Setup& setup, RunRecord& record, const std::string& method,
             const VerificationOptions& options);
 

@@ -369,6 +369,10 @@ void check_record(const RunRecord& record) {
           "/rollouts/{}: found position [{}, {}], expected [{}, {}]", k, rollout.position.rows(),
           rollout.position.cols(), rollout.time.size(), n);
   }
+  for (const auto& [name, corners] : record.open_boxes) {
+    check(corners.cols() == 2 * n, "/certificate/open_boxes/{}: found {} columns, expected {}", name,
+          corners.cols(), 2 * n);
+  }
   if (record.grid) check_grid(*record.grid, n);
   if (record.checkpoint) {
     for (const auto& [name, points] : record.checkpoint->points) check_name("/checkpoint/points", name);
@@ -393,6 +397,8 @@ void save_run(const std::string& path, const RunRecord& record) {
   write_network(file, "/networks/V", record.networks.V);
   write_network(file, "/networks/B", record.networks.B);
   write_fields(file, "/certificate", record.certificate);
+  for (const auto& [name, corners] : record.open_boxes)
+    file.write("/certificate/open_boxes/" + name, corners);
   write_fields(file, "/evaluation", record.evaluation);
   write_numbers(file, "/timing", record.timing);
   write(file, record.rollouts);
@@ -418,6 +424,11 @@ RunRecord load_run(const std::string& path) {
                      .V = read_network(file, "/networks/V"),
                      .B = read_network(file, "/networks/B")};
   record.certificate = read_fields<Certificate>(file, "/certificate");
+  if (file.exists("/certificate/open_boxes")) {
+    for (const std::string& name : file.children("/certificate/open_boxes")) {
+      record.open_boxes.emplace_back(name, file.read_points("/certificate/open_boxes/" + name));
+    }
+  }
   record.evaluation = read_fields<EvaluationSummary>(file, "/evaluation");
   record.timing = read_numbers(file, "/timing");
   record.rollouts = read_rollouts(file);

@@ -100,6 +100,8 @@ struct RunRecord {
   std::vector<std::pair<std::string, Vector>> history;  // one column [rounds] a name
   Networks networks;
   Certificate certificate;
+  std::vector<std::pair<std::string, Points>>
+      open_boxes;  // by condition, [k, 2n] lower then upper corner: not proved
   EvaluationSummary evaluation;
   std::vector<std::pair<std::string, double>> timing;  // seconds
   std::vector<StoredRollout> rollouts;

@@ -8,8 +8,8 @@
 namespace s2nnds {
 namespace {
 
-// Shares of the workspace: the least distance of the samples around the goal, and the spread of the draws around a
-// counterexample.
+// Shares of the workspace: the least distance of the samples around the goal, and the spread of the draws
+// around a counterexample.
 constexpr double kNearestToGoal = 1e-3;
 constexpr double kJitter = 0.005;
 

@@ -29,7 +29,8 @@ class CounterexampleSource {
   // `round` names the random streams, so that a resumed run sees what an unbroken one would.
   virtual Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
                                std::uint64_t seed, std::int64_t round) = 0;
-  // Asked only when all sources before it found nothing (a proof costs more than samples).
+  // Asked only when all sources before it found nothing in a round that could be the last (a proof costs more
+  // than samples).
   virtual bool only_when_clean() const { return false; }
 };
 

@@ -189,7 +189,8 @@ class Trainer::Impl {
   void search(RoundSummary& row) {
     const Networks current = networks();
     for (const auto& source : sources) {
-      if (source->only_when_clean() && row.counterexamples() > 0) continue;
+      if (source->only_when_clean() && (row.counterexamples() > 0 || row.round < options_.min_rounds))
+        continue;
       const Counterexamples found = source->find(current, problem_, options_.band, seed_, row.round);
       if (found.total() > 0 && row.source.empty()) row.source = source->name();
       for (std::size_t q = 0; q < row.counts.size(); ++q) row.counts[q] += found.counts[q];

@@ -76,6 +76,8 @@ TrainerOptions paper_training() {
   options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
                   .mse = 10.0,
+                  .lyapunov = 1.0,
+                  .separation = 1.0,
                   .band = 1.0,
                   .margin_initial = 0.01,
                   .margin_unsafe = 0.01,

@@ -34,8 +34,8 @@ struct WarmStartOptions {
 struct LossOptions {
   std::string kind = "robust";
   double mse = 20.0;
-  double lyapunov = 1.0;
-  double separation = 1.0;
+  double lyapunov = 5.0;
+  double separation = 2.0;
   double band = 5.0;
   double labels = 1.0;
   double kappa = 0.1;
@@ -61,9 +61,9 @@ struct BatchOptions {
   std::int64_t labels = 256;  // half of them with safe rollouts
   // Shares of the workspace batch; the rest is uniform in X.
   double share_counterexamples = 0.3;
-  double share_band = 0.25;  // points with |B| < band_near
-  double share_goal = 0.15;  // log-uniform distance to the goal
-  std::int64_t latest = 500;            // half of the counterexamples are drawn among this many latest ones
+  double share_band = 0.25;   // points with |B| < band_near
+  double share_goal = 0.15;   // log-uniform distance to the goal
+  std::int64_t latest = 500;  // half of the counterexamples are drawn among this many latest ones
   double band_near = 0.06;
   std::int64_t band_refresh = 100;  // steps after which the points near {B = 0} are sought anew
 

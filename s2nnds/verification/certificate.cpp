@@ -63,6 +63,7 @@ void Certificate::visit(FieldVisitor& v) {
   v.field("band", band, at_least(0));
   v.field("disturbance_margin", disturbance_margin, at_least(0));
   v.field("convergence_radius", convergence_radius, at_least(0));
+  v.field("float32_error", float32_error, any_number());
   v.field("statement", statement);
   v.list("conditions", conditions);
 }

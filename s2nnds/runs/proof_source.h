@@ -1,0 +1,23 @@
+#pragma once
+
+#include "s2nnds/training/counterexample.h"
+#include "s2nnds/verification/prover.h"
+
+namespace s2nnds {
+
+// The prover as a source of counterexamples: boxes that it cannot prove, and points that it refutes, go back
+// into training. Nothing found means that the conditions are proved on the whole workspace.
+class ProofSource : public CounterexampleSource {
+ public:
+  ProofSource(const ProofOptions& options, std::int64_t keep) : options_(options), keep_(keep) {}
+  std::string name() const override { return "proof"; }
+  bool only_when_clean() const override { return true; }
+  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
+                       std::uint64_t seed, std::int64_t round) override;
+
+ private:
+  ProofOptions options_;
+  std::int64_t keep_;  // points of each condition that are handed on
+};
+
+}  // namespace s2nnds
