@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""What leaves the program: the exported policy against the run file's own networks, and the figures."""
+
+import os
+
+import command_line
+import h5py
+import numpy as np
+import torch
+from command_line import ProgramTest
+from s2nnds_run import Run
+
+
+class ExportTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.rng = np.random.default_rng(5)
+
+    def export(self, run, *words):
+        code, out, err = self.call("export", run, "--format", "torchscript", *words)
+        self.assertEqual((code, err), (0, ""), out)
+
+    def assert_same_values(self, path, run, dtype, tolerance):
+        policy = torch.jit.load(path)
+        if dtype is torch.float64:
+            policy = policy.double()
+        n = run.dimension
+        normalised = self.rng.uniform(run.problem.workspace_lower, run.problem.workspace_upper, (500, n))
+        x = torch.as_tensor(normalised * run.data.position_scale, dtype=dtype)
+        for found, expected, scale in (
+            (policy(x), run.f(normalised), run.data.velocity_scale),
+            (policy.lyapunov(x), run.V(normalised), 1.0),
+            (policy.barrier(x), run.B(normalised), 1.0),
+        ):
+            self.assertEqual(found.dtype, dtype)
+            expected = scale * expected
+            self.assertEqual(tuple(found.shape), expected.shape)
+            error = np.abs(found.numpy() - expected).max()
+            self.assertLess(error, tolerance * max(1.0, np.abs(expected).max()))
+
+    def test_trained_networks_come_back(self):
+        path = self.trained()
+        self.export(path)
+        run = Run(path)
+        self.assert_same_values(self.path("run.pt"), run, torch.float32, 1e-5)
+        self.assert_same_values(self.path("run.pt"), run, torch.float64, 1e-6)
+
+    def test_other_activations_and_profile(self):
+        for changes in (
+            {"networks.f.activation": '"sine"', "networks.V.activation": '"softplus"', "networks.B.activation": '"silu"'},
+            {"profile": '"paper"'},
+        ):
+            with self.subTest(changes=changes):
+                path = self.trained(changes=changes)
+                self.export(path, "--out", self.path("other.pt"))
+                self.assert_same_values(self.path("other.pt"), Run(path), torch.float64, 1e-6)
+
+    def test_goal_is_an_equilibrium(self):
+        path = self.trained()
+        self.export(path)
+        goal = torch.zeros(1, 2, dtype=torch.float64)
+        policy = torch.jit.load(self.path("run.pt")).double()
+        self.assertLess(policy(goal).abs().max().item(), 1e-6)
+        self.assertLess(policy.lyapunov(goal).abs().max().item(), 1e-12)
+
+    def test_attributes_say_what_is_guaranteed(self):
+        path = self.certified()
+        code, _, err = self.call("verify", path, "--method", "sampled")
+        self.assertEqual(code, 0, err)
+        self.export(path)
+        run, policy = Run(path), torch.jit.load(self.path("run.pt"))
+        self.assertEqual((policy.guarantee, run.guarantee), ("sampled", "sampled"))
+        self.assertEqual(policy.weight_hash, run.certificate["weight_hash"])
+        self.assertEqual(len(policy.weight_hash), 64)
+        self.assertEqual(policy.statement, run.certificate["statement"])
+        self.assertEqual((policy.dimension, policy.name, policy.unit), (2, "Sine", "mm"))
+        self.assertEqual(policy.position_scale, run.data.position_scale)
+        self.assertEqual(policy.velocity_scale, run.data.velocity_scale)
+        corners = np.concatenate([run.problem.workspace_lower, run.problem.workspace_upper])
+        np.testing.assert_allclose(policy.workspace, corners * run.data.position_scale, rtol=1e-12)
+
+    def test_safe_is_the_barrier_inside_the_workspace(self):
+        path = self.certified()
+        self.export(path)
+        run, policy = Run(path), torch.jit.load(self.path("run.pt"))
+        normalised = self.rng.uniform(-2.0, 2.0, (2000, 2))
+        inside = np.all(np.abs(normalised) <= run.problem.workspace_upper, axis=1)
+        expected = (run.B(normalised) <= 0.0) & inside
+        certain = np.abs(run.B(normalised)) > 1e-3
+        safe = policy.safe(torch.as_tensor(normalised * run.data.position_scale, dtype=torch.float32)).numpy()
+        np.testing.assert_array_equal(safe[certain], expected[certain])
+        self.assertTrue(0 < safe.sum() < len(safe))
+        # Outside, nothing is safe, whatever B says there.
+        with h5py.File(path, "r+") as file:
+            command_line.write_network(file, "B", [(np.zeros((1, 2)), [-1.0], "identity")])
+        self.export(path, "--out", self.path("always.pt"))
+        always = torch.jit.load(self.path("always.pt"))
+        x = torch.as_tensor(normalised * run.data.position_scale, dtype=torch.float32)
+        np.testing.assert_array_equal(always.safe(x).numpy(), inside)
+
+
+class PlotTest(ProgramTest):
+    def test_figures_are_pictures(self):
+        code, _, err = self.call("plot", self.trained(), "--out", self.path("figures"))
+        self.assertEqual((code, err), (0, ""))
+        figures = os.listdir(self.path("figures"))
+        self.assertGreaterEqual(len(figures), 2)
+        for name in figures:
+            with open(os.path.join(self.path("figures"), name), "rb") as file:
+                head = file.read()
+            self.assertTrue(name.endswith(".png"), name)
+            self.assertTrue(head.startswith(b"\x89PNG\r\n\x1a\n") and len(head) > 5000, name)
+
+    def test_default_folder_lies_beside_the_run(self):
+        code, _, err = self.call("plot", self.trained())
+        self.assertEqual((code, err), (0, ""))
+        self.assertEqual(sorted(os.listdir(self.folder)), ["run-figures", "run.h5"])
+
+
+if __name__ == "__main__":
+    command_line.main()
