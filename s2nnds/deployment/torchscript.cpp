@@ -4,8 +4,10 @@
 #include <torch/torch.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
-#include <filesystem>
+#include <cstring>
+#include <sstream>
 
 #include "s2nnds/core/check.h"
 
@@ -88,17 +90,30 @@ def safe(self, x: Tensor) -> Tensor:
 )");
 }
 
+// In memory first: when a write fails, torch's own file writer throws out of its destructor and ends the
+// program.
+std::string serialised(const torch::jit::Module& module) {
+  std::ostringstream bytes;
+  module.save(bytes);
+  return bytes.str();
+}
+
+bool write_file(const std::string& path, const std::string& bytes) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return false;
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() &&
+                       std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;
+  return std::fclose(file) == 0 && written;
+}
+
 void save_atomically(const torch::jit::Module& module, const std::string& path) {
+  const std::string bytes = serialised(module);
   const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
-  try {
-    module.save(temporary);
-    std::filesystem::rename(temporary, path);
-  } catch (const std::exception& e) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    const std::string what = e.what();
-    fail("{}: cannot write the policy: {}", path, what.substr(0, what.find('\n')));
-  }
+  errno = 0;
+  if (write_file(temporary, bytes) && std::rename(temporary.c_str(), path.c_str()) == 0) return;
+  const std::string reason = std::strerror(errno);
+  std::remove(temporary.c_str());
+  fail("{}: cannot write the policy: {}", path, reason);
 }
 
 }  // namespace

@@ -1,0 +1,168 @@
+#include "s2nnds/deployment/torchscript.h"
+
+#include <gtest/gtest.h>
+#include <torch/script.h>
+#include <torch/torch.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/core/random.h"
+
+namespace s2nnds {
+namespace {
+
+namespace fs = std::filesystem;
+
+LayerStack random_stack(const std::vector<int>& sizes, Activation activation, bool bias,
+                        RandomStream& random) {
+  LayerStack stack;
+  for (std::size_t l = 0; l + 1 < sizes.size(); ++l) {
+    Layer layer;
+    // Weights that float32 holds exactly, so that double evaluation of the policy is exact too.
+    const auto draw = [&] {
+      return static_cast<double>(static_cast<float>(random.normal() / std::sqrt(sizes[l])));
+    };
+    layer.weight = Points::NullaryExpr(sizes[l + 1], sizes[l], draw);
+    if (bias) layer.bias = Vector::NullaryExpr(sizes[l + 1], draw);
+    layer.activation = l + 2 < sizes.size() ? activation : Activation::identity;
+    stack.layers.push_back(layer);
+  }
+  return stack;
+}
+
+Networks random_networks(int n, Activation activation, RandomStream& random) {
+  Networks networks;
+  networks.f = random_stack({n, 12, 9, n}, activation, true, random);
+  networks.f.head = Head::anchored;
+  networks.V = random_stack({n, 10, 7}, activation, true, random);
+  networks.V.head = Head::squared_norm;
+  networks.V.quadratic = 0.3;
+  networks.B = random_stack({n, 8, 8, 1}, activation, false, random);
+  return networks;
+}
+
+PolicyInfo info(int n) {
+  PolicyInfo info;
+  info.name = "Loop";
+  info.position_scale = 40.0;
+  info.velocity_scale = 25.0;
+  info.unit = "mm";
+  info.guarantee = "conformal";
+  info.statement = "With confidence \"1 - beta\" ...";
+  info.workspace_lower = Vector::Constant(n, -1.25);
+  info.workspace_upper = Vector::Constant(n, 1.5);
+  return info;
+}
+
+Points to_points(const torch::Tensor& values) {
+  const torch::Tensor t = values.to(torch::kFloat64).reshape({values.size(0), -1}).contiguous();
+  return Eigen::Map<const Points>(t.data_ptr<double>(), t.size(0), t.size(1));
+}
+
+double error(const torch::Tensor& found, const Points& expected) {
+  return (to_points(found) - expected).cwiseAbs().maxCoeff() / std::max(1.0, expected.cwiseAbs().maxCoeff());
+}
+
+class Torchscript : public testing::Test {
+ protected:
+  Torchscript() : folder_(fs::temp_directory_path() / ("s2nnds-torchscript-" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~Torchscript() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::size_t files() const {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+  RandomStream random_{7, "torchscript"};
+};
+
+TEST_F(Torchscript, EvaluatesTheSameNetworksInTheDatasUnit) {
+  for (const Activation activation :
+       {Activation::tanh, Activation::elu, Activation::softplus, Activation::silu, Activation::sine}) {
+    for (const int n : {2, 3}) {
+      const Networks networks = random_networks(n, activation, random_);
+      export_torchscript(networks, info(n), path("policy.pt"));
+      torch::jit::Module policy = torch::jit::load(path("policy.pt"));
+      const Points z = Points::NullaryExpr(200, n, [&] { return random_.normal(); });
+      Points raw = 40.0 * z;
+      const auto compare = [&](torch::ScalarType type, double tolerance) {
+        const torch::Tensor x = torch::from_blob(raw.data(), {200, n}, torch::kFloat64).to(type);
+        const torch::Tensor velocity = policy.forward({x}).toTensor();
+        EXPECT_EQ(velocity.scalar_type(), type);
+        EXPECT_LT(error(velocity, 25.0 * networks.f.value(z)), tolerance) << to_string(activation);
+        EXPECT_LT(error(policy.run_method("lyapunov", x).toTensor(), networks.V.value(z)), tolerance);
+        EXPECT_LT(error(policy.run_method("barrier", x).toTensor(), networks.B.value(z)), tolerance);
+      };
+      compare(torch::kFloat32, 1e-5);
+      policy.to(torch::kFloat64);
+      compare(torch::kFloat64, 1e-6);  // N(0), which the heads subtract, is stored in float32
+    }
+  }
+}
+
+TEST_F(Torchscript, CarriesWhatIsGuaranteedOfWhichWeights) {
+  const Networks networks = random_networks(2, Activation::tanh, random_);
+  export_torchscript(networks, info(2), path("policy.pt"));
+  const torch::jit::Module policy = torch::jit::load(path("policy.pt"));
+  EXPECT_EQ(policy.attr("guarantee").toStringRef(), "conformal");
+  EXPECT_EQ(policy.attr("statement").toStringRef(), "With confidence \"1 - beta\" ...");
+  EXPECT_EQ(policy.attr("weight_hash").toStringRef(), weight_hash(networks));
+  EXPECT_EQ(policy.attr("name").toStringRef(), "Loop");
+  EXPECT_EQ(policy.attr("unit").toStringRef(), "mm");
+  EXPECT_EQ(policy.attr("dimension").toInt(), 2);
+  EXPECT_EQ(policy.attr("position_scale").toDouble(), 40.0);
+  EXPECT_EQ(policy.attr("velocity_scale").toDouble(), 25.0);
+  const std::vector<double> corners = {-50.0, -50.0, 60.0, 60.0};
+  EXPECT_EQ(policy.attr("workspace").toDoubleVector(), corners);
+}
+
+TEST_F(Torchscript, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
+  Networks networks = random_networks(2, Activation::tanh, random_);
+  Layer above;  // B(x, y) = y
+  above.weight = Points{{0.0, 1.0}};
+  networks.B = {};
+  networks.B.layers = {above};
+  export_torchscript(networks, info(2), path("policy.pt"));
+  torch::jit::Module policy = torch::jit::load(path("policy.pt"));
+  // Workspace [-50, 60]^2: below the line, above it, and below it but outside of the workspace.
+  const torch::Tensor x =
+      torch::tensor({{10.0, -5.0}, {10.0, 5.0}, {10.0, -55.0}, {-55.0, -5.0}, {59.0, -5.0}});
+  const torch::Tensor safe = policy.run_method("safe", x).toTensor();
+  EXPECT_TRUE(torch::equal(safe, torch::tensor({true, false, false, false, true}))) << safe;
+}
+
+TEST_F(Torchscript, WritesTheFileWholeOrNotAtAll) {
+  const Networks networks = random_networks(2, Activation::tanh, random_);
+  try {
+    export_torchscript(networks, info(2), path("nowhere/policy.pt"));
+    FAIL() << "expected an Error";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("nowhere/policy.pt: cannot write"), std::string::npos) << e.what();
+  }
+  fs::create_directory(path("folder.pt"));
+  EXPECT_THROW(export_torchscript(networks, info(2), path("folder.pt")), Error);
+  EXPECT_EQ(files(), 1u);
+  std::ofstream(path("policy.pt")) << "older";
+  export_torchscript(networks, info(2), path("policy.pt"));
+  EXPECT_EQ(torch::jit::load(path("policy.pt")).attr("name").toStringRef(), "Loop");
+  EXPECT_EQ(files(), 2u);
+}
+
+TEST_F(Torchscript, RefusesNetworksThatDoNotFit) {
+  Networks networks = random_networks(2, Activation::tanh, random_);
+  EXPECT_THROW(export_torchscript(networks, info(3), path("policy.pt")), Error);
+  networks.f.layers[1].weight(0, 0) = NAN;
+  EXPECT_THROW(export_torchscript(networks, info(2), path("policy.pt")), Error);
+  EXPECT_EQ(files(), 0u);
+}
+
+}  // namespace
+}  // namespace s2nnds
