@@ -14,6 +14,8 @@ using std::ptrdiff_t;
 constexpr ptrdiff_t kTileRows =
     48;  // a multiple of the kernels' row blocks; three tiles of 64 columns fit in L1
 constexpr ptrdiff_t kGradientChunks = 8;  // partial gradients, summed in order whatever the number of threads
+constexpr ptrdiff_t kLeastParallelWork =
+    1000000;  // products; less is done before a second thread has woken up
 // The layers' values on the tape: activation, its tangent, sigma'(z), and dz sigma''(z).
 constexpr int kTapeQuantities = 4;
 
@@ -147,7 +149,7 @@ void FusedNetwork<T>::forward(ptrdiff_t samples, const T* x, const T* direction,
     recorded = tape->memory.reserve(kTapeQuantities * tape_width_ * samples);
   }
   const ptrdiff_t tiles = (samples + kTileRows - 1) / kTileRows;
-#pragma omp parallel if (tiles > 1)
+#pragma omp parallel if (tiles > 1 && samples * parameters() > kLeastParallelWork)
   {
     Buffer<T> scratch;
     scratch.reserve(8 * kTileRows * widest_);
@@ -239,7 +241,7 @@ void FusedNetwork<T>::backward(const T* x, const T* direction, const Tape& tape,
   const ptrdiff_t chunks = std::min(kGradientChunks, tiles);
   Buffer<T> partial;
   partial.reserve(chunks * gradient_size_);
-#pragma omp parallel if (chunks > 1)
+#pragma omp parallel if (chunks > 1 && samples * parameters() > kLeastParallelWork)
   {
     Buffer<T> scratch;
     scratch.reserve(7 * kTileRows * widest_);

@@ -34,18 +34,20 @@ void append_some(Points& batch, Eigen::Index& at, const Points& from, Eigen::Ind
   for (Eigen::Index i = 0; i < count; ++i) batch.row(at++) = from.row(random.below(from.rows()));
 }
 
-// Half of the draws are among the latest counterexamples: those of early rounds outnumber them by far, and
-// have mostly been cured. A little jitter covers the set that a counterexample stands for.
+// The age of a draw is log-uniform: counterexamples of early rounds outnumber the latest by far, and have
+// mostly been cured. A little jitter (share of the box's sides) covers the set that a counterexample stands
+// for.
 void append_counterexamples(Points& batch, Eigen::Index& at, const Points& pool, Eigen::Index count,
-                            const BatchOptions& options, const Box& workspace, RandomStream& random) {
-  const Eigen::Index latest = std::min<Eigen::Index>(pool.rows(), options.latest);
+                            const Box& within, double jitter, RandomStream& random) {
   for (Eigen::Index i = 0; i < count; ++i, ++at) {
-    const std::size_t back = random.below(i % 2 == 0 ? latest : pool.rows());
-    batch.row(at) = pool.row(pool.rows() - 1 - static_cast<Eigen::Index>(back));
+    const double age = std::pow(static_cast<double>(pool.rows() + 1), random.uniform()) - 1.0;
+    const auto back = std::min<Eigen::Index>(static_cast<Eigen::Index>(age), pool.rows() - 1);
+    batch.row(at) = pool.row(pool.rows() - 1 - back);
+    if (jitter == 0.0) continue;
     for (Eigen::Index k = 0; k < batch.cols(); ++k) {
-      const double reach = 0.5 * (workspace.upper[k] - workspace.lower[k]);
-      batch(at, k) = std::clamp(batch(at, k) + kJitter * reach * random.normal(), workspace.lower[k],
-                                workspace.upper[k]);
+      const double moved =
+          batch(at, k) + jitter * 0.5 * (within.upper[k] - within.lower[k]) * random.normal();
+      batch(at, k) = std::clamp(moved, within.lower[k], within.upper[k]);
     }
   }
 }
@@ -121,7 +123,7 @@ Points BatchSampler::draw_workspace(RandomStream& random) const {
   const Eigen::Index goal = share(options_.share_goal, position_);
   Points x = uniform(options_.workspace, random);
   Eigen::Index at = 0;
-  append_counterexamples(x, at, pools_.workspace, counterexamples, options_, problem_.workspace, random);
+  append_counterexamples(x, at, pools_.workspace, counterexamples, problem_.workspace, kJitter, random);
   append_some(x, at, near_band_, band, random);
   const double reach = problem_.workspace.half_widths().minCoeff();
   for (Eigen::Index i = 0; i < goal; ++i, ++at) {
@@ -147,10 +149,10 @@ Batch BatchSampler::draw(RandomStream& random) const {
                           Eigen::Index count) {
     Points x(sampler ? count : 0, n);
     if (x.rows() == 0) return x;
-    const Eigen::Index old = pool.rows() > 0 ? count / 3 : 0;
+    const Eigen::Index old = pool.rows() > 0 ? count / 2 : 0;
     x.bottomRows(count - old) = sampler->sample(count - old, random);
     Eigen::Index at = 0;
-    append_some(x, at, pool, old, random);
+    append_counterexamples(x, at, pool, old, problem_.workspace, 0.0, random);
     return x;
   };
   batch.initial = region(initial_, pools_.initial, options_.initial);

@@ -214,6 +214,7 @@ Trainer::Trainer(const SafetyProblem& problem, std::vector<Demonstration> demons
                  const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed)
     : impl_(std::make_unique<Impl>(problem, std::move(demonstrations), networks, options, seed)) {}
 Trainer::~Trainer() = default;
+Trainer::Trainer(Trainer&&) noexcept = default;
 
 void Trainer::add_source(std::shared_ptr<CounterexampleSource> source) {
   impl_->sources.push_back(std::move(source));

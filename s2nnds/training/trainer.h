@@ -60,6 +60,7 @@ class Trainer {
   Trainer(const SafetyProblem& problem, std::vector<Demonstration> demonstrations,
           const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed);
   ~Trainer();
+  Trainer(Trainer&&) noexcept;
 
   void add_source(std::shared_ptr<CounterexampleSource> source);
   void set_rollout_labels(RolloutLabels labels);

@@ -43,7 +43,6 @@ void BatchOptions::visit(FieldVisitor& v) {
   v.field("share_counterexamples", share_counterexamples, between(0.0, 1.0));
   v.field("share_band", share_band, between(0.0, 1.0));
   v.field("share_goal", share_goal, between(0.0, 1.0));
-  v.field("latest", latest, at_least(1));
   v.field("band_near", band_near, above(0.0));
   v.field("band_refresh", band_refresh, at_least(1));
 }

@@ -63,7 +63,6 @@ struct BatchOptions {
   double share_counterexamples = 0.3;
   double share_band = 0.25;   // points with |B| < band_near
   double share_goal = 0.15;   // log-uniform distance to the goal
-  std::int64_t latest = 500;  // half of the counterexamples are drawn among this many latest ones
   double band_near = 0.06;
   std::int64_t band_refresh = 100;  // steps after which the points near {B = 0} are sought anew
 

@@ -14,12 +14,18 @@ namespace {
 
 double scalar(Activation activation, double z) {
   switch (activation) {
-    case Activation::identity: return z;
-    case Activation::tanh: return std::tanh(z);
-    case Activation::elu: return z > 0 ? z : std::expm1(z);
-    case Activation::softplus: return z > 30 ? z : std::log1p(std::exp(z));
-    case Activation::silu: return z / (1 + std::exp(-z));
-    case Activation::sine: return std::sin(z);
+    case Activation::identity:
+      return z;
+    case Activation::tanh:
+      return std::tanh(z);
+    case Activation::elu:
+      return z > 0 ? z : std::expm1(z);
+    case Activation::softplus:
+      return z > 30 ? z : std::log1p(std::exp(z));
+    case Activation::silu:
+      return z / (1 + std::exp(-z));
+    case Activation::sine:
+      return std::sin(z);
   }
   return NAN;
 }
@@ -28,7 +34,8 @@ LayerStack random_stack(std::vector<int> sizes, Activation activation, bool bias
   LayerStack stack;
   for (std::size_t l = 0; l + 1 < sizes.size(); ++l) {
     Layer layer;
-    layer.weight = Points::NullaryExpr(sizes[l + 1], sizes[l], [&] { return random.normal() / std::sqrt(sizes[l]); });
+    layer.weight =
+        Points::NullaryExpr(sizes[l + 1], sizes[l], [&] { return random.normal() / std::sqrt(sizes[l]); });
     if (bias) layer.bias = Vector::NullaryExpr(sizes[l + 1], [&] { return random.normal(); });
     layer.activation = l + 2 < sizes.size() ? activation : Activation::identity;
     stack.layers.push_back(layer);
@@ -57,7 +64,8 @@ TEST_P(EveryActivation, KernelsMatchTheLibraryFunctions) {
     ASSERT_NEAR(value[i], exact, 4e-15 * std::max(1.0, std::abs(exact))) << "at " << z[i];
     if (GetParam() == Activation::elu && std::abs(z[i]) < 1e-3) continue;  // sigma'' jumps there
     ASSERT_NEAR(first[i], (scalar(GetParam(), z[i] + h) - scalar(GetParam(), z[i] - h)) / (2 * h), 1e-8);
-    ASSERT_NEAR(second[i], (scalar(GetParam(), z[i] + h) - 2 * exact + scalar(GetParam(), z[i] - h)) / (h * h), 2e-4);
+    ASSERT_NEAR(second[i],
+                (scalar(GetParam(), z[i] + h) - 2 * exact + scalar(GetParam(), z[i] - h)) / (h * h), 2e-4);
   }
 }
 
@@ -102,7 +110,8 @@ TEST_P(EveryActivation, EvaluatorMatchesPlainLoopsOverShapesAndHeads) {
 // The reverse sweep against central differences of <adjoint, value> + <adjoint', derivative>.
 TEST_P(EveryActivation, ReverseSweepMatchesDifferences) {
   for (bool bias : {true, false}) {
-    FusedNetwork<double> network({{3, 20, bias, GetParam()}, {20, 33, bias, GetParam()}, {33, 2, bias, Activation::identity}});
+    FusedNetwork<double> network(
+        {{3, 20, bias, GetParam()}, {20, 33, bias, GetParam()}, {33, 2, bias, Activation::identity}});
     RandomStream random(11, "reverse sweep");
     const auto draw = [&](std::ptrdiff_t count) {
       std::vector<double> v(count);
@@ -149,8 +158,8 @@ TEST_P(EveryActivation, ReverseSweepMatchesDifferences) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryActivation,
-                         testing::Values(Activation::identity, Activation::tanh, Activation::elu, Activation::softplus,
-                                         Activation::silu, Activation::sine),
+                         testing::Values(Activation::identity, Activation::tanh, Activation::elu,
+                                         Activation::softplus, Activation::silu, Activation::sine),
                          [](const auto& info) { return std::string(to_string(info.param)); });
 
 TEST(LayerStack, RefusesShapesThatDoNotFit) {

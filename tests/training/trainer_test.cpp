@@ -1,0 +1,168 @@
+#include "s2nnds/training/trainer.h"
+
+#include <gtest/gtest.h>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/data/handwriting.h"
+#include "s2nnds/data/normalization.h"
+#include "s2nnds/evaluation/rollout.h"
+#include "s2nnds/training/falsifier.h"
+
+namespace s2nnds {
+namespace {
+
+// A small problem: handwriting with a ball beside it.
+struct Fixture {
+  std::vector<Demonstration> demonstrations;
+  SafetyProblem problem;
+  NetworkOptions networks;
+  TrainerOptions options;
+
+  Fixture() {
+    DemonstrationSet set = handwriting("Sine");
+    demonstrations = normalize(set.demonstrations, find_normalization("max_abs", set.demonstrations));
+    ProblemOptions p;
+    p.unsafe.type = "ball";
+    p.unsafe.center = {-0.32, 0.22};
+    p.unsafe.radius = 0.1;
+    problem = make_problem(p, demonstrations);
+    networks.f.network.hidden = networks.B.network.hidden = {16, 16};
+    networks.V.network.hidden = {16};
+    networks.V.features = 8;
+    options.warm_start.steps = 200;
+    options.rounds = 4;
+    options.min_rounds = 4;
+    options.steps = 20;
+    options.label_points = 200;
+    options.samples = 2000;
+  }
+
+  Trainer trainer(std::uint64_t seed) {
+    Trainer made(problem, demonstrations, networks, options, seed);
+    made.add_source(std::make_shared<RandomFalsifier>(problem, FalsifierOptions{options.samples, 100}));
+    made.set_rollout_labels(
+        [this](const LayerStack& f, const Points& x) { return rollout_is_safe(f, problem, x); });
+    return made;
+  }
+};
+
+TEST(Trainer, SameSeedSameNetworksOtherSeedOthers) {
+  Fixture fixture;
+  const auto hash = [&](std::uint64_t seed) {
+    Trainer trainer = fixture.trainer(seed);
+    trainer.run();
+    return weight_hash(trainer.networks());
+  };
+  const std::string first = hash(5);
+  EXPECT_EQ(first, hash(5));
+  EXPECT_NE(first, hash(6));
+}
+
+TEST(Trainer, GoesOnFromAnyRoundAsIfItHadNeverStopped) {
+  Fixture fixture;
+  std::vector<TrainerState> states;
+  Trainer unbroken = fixture.trainer(5);
+  unbroken.on_round([&](const RoundSummary&, const Trainer& t) {
+    states.push_back(t.state());
+    return true;
+  });
+  const TrainerSummary summary = unbroken.run();
+  ASSERT_EQ(states.size(), 5U);  // warm start and four rounds
+  for (std::size_t round : {0, 2, 4}) {
+    Trainer resumed = fixture.trainer(5);
+    resumed.restore(states[round]);
+    EXPECT_EQ(resumed.run().rounds, summary.rounds);
+    EXPECT_EQ(weight_hash(resumed.networks()), weight_hash(unbroken.networks())) << "from round " << round;
+  }
+}
+
+TEST(Trainer, StopsWhenTheCallbackSaysSo) {
+  Fixture fixture;
+  Trainer trainer = fixture.trainer(1);
+  trainer.on_round([](const RoundSummary& row, const Trainer&) { return row.round < 2; });
+  const TrainerSummary summary = trainer.run();
+  EXPECT_TRUE(summary.stopped);
+  EXPECT_EQ(summary.rounds, 2);
+}
+
+TEST(Trainer, WarmStartNoticesAStall) {
+  Fixture fixture;
+  fixture.options.warm_start.rate = 1e-12;  // learns nothing: every attempt stalls
+  fixture.options.warm_start.attempts = 3;
+  fixture.options.warm_start.steps = 5;
+  fixture.options.rounds = 1;
+  EXPECT_EQ(fixture.trainer(1).run().rounds,
+            1);  // the best of the stalled starts is kept, and training goes on
+}
+
+TEST(Trainer, RefusesNetworksOfAnotherShape) {
+  Fixture fixture;
+  Trainer trainer = fixture.trainer(1);
+  TrainerState state = trainer.state();
+  state.networks.B.layers[0].weight.resize(3, 2);
+  EXPECT_THROW(trainer.restore(state), Error);
+}
+
+TEST(BatchSampler, LeavesOutSamplesNearTheObstacleAndOnlyThose) {
+  Fixture fixture;
+  ProblemOptions p;
+  p.unsafe.type = "ball";
+  const Vector through = fixture.demonstrations[0].position.row(400);
+  p.unsafe.center = {through[0], through[1]};
+  p.unsafe.radius = 0.05;
+  const SafetyProblem problem = make_problem(p, fixture.demonstrations);
+  const BatchSampler sampler(problem, fixture.demonstrations, {}, 0.05);
+  EXPECT_GT(sampler.left_out_samples(), 0);
+  const Points& kept = sampler.position();
+  for (Eigen::Index i = 0; i < kept.rows(); ++i) ASSERT_GT((kept.row(i).transpose() - through).norm(), 0.09);
+  const Points all = stack_positions(fixture.demonstrations);
+  Eigen::Index far = 0;
+  for (Eigen::Index i = 0; i < all.rows(); ++i)
+    far += (all.row(i).transpose() - through).norm() > 0.05 + 0.08;
+  EXPECT_GE(kept.rows(), far);
+}
+
+TEST(BatchSampler, DrawsEverySetFromItself) {
+  Fixture fixture;
+  const BatchSampler sampler(fixture.problem, fixture.demonstrations, fixture.options.batch, 0.05);
+  RandomStream random(1, "batch test");
+  const Batch batch = sampler.draw(random);
+  EXPECT_EQ(batch.workspace.rows(), fixture.options.batch.workspace);
+  EXPECT_LE(batch.workspace.cwiseAbs().maxCoeff(), 1.25);
+  EXPECT_LE(fixture.problem.initial->level(batch.initial).maxCoeff(), 0.0);
+  const Vector in_ball = fixture.problem.unsafe->level(batch.unsafe),
+               in_shell = fixture.problem.shell->level(batch.unsafe);
+  EXPECT_LE(in_ball.cwiseMin(in_shell).maxCoeff(), 0.0);
+}
+
+// B = x - 0.5 on a ball at (0.7, 0): violated only where x < 0.5 inside the ball, a sliver of its area.
+TEST(Falsifiers, FindASliverThatViolates) {
+  ProblemOptions p;
+  p.contain = false;
+  p.unsafe.type = "ball";
+  p.unsafe.center = {0.7, 0.0};
+  p.unsafe.radius = 0.201;
+  p.initial.type = "ball";
+  p.initial.center = {-0.5, 0.0};
+  p.initial.radius = 0.1;
+  Fixture fixture;
+  const SafetyProblem problem = make_problem(p, fixture.demonstrations);
+  Networks networks;
+  Layer linear{Points(1, 2), Vector::Constant(1, -0.5)};
+  linear.weight << 1.0, 0.0;
+  networks.B.layers = {linear};
+  networks.V.layers = {{Points::Identity(2, 2), Vector::Zero(2)}};
+  networks.V.head = Head::squared_norm;
+  networks.V.quadratic = 0.1;
+  networks.f.layers = {{-Points::Identity(2, 2), Vector::Zero(2)}};
+  LocalSearchFalsifier search(problem, {20000, 100});
+  const Counterexamples found = search.find(networks, problem, 0.01, 1, 1);
+  const auto unsafe = static_cast<std::size_t>(Condition::unsafe);
+  ASSERT_GT(found.counts[unsafe], 0);
+  for (Eigen::Index i = 0; i < found.points[unsafe].rows(); ++i) EXPECT_LE(found.points[unsafe](i, 0), 0.5);
+  EXPECT_EQ(found.counts[static_cast<std::size_t>(Condition::lyapunov_decrease)], 0);
+  EXPECT_EQ(found.counts[static_cast<std::size_t>(Condition::initial)], 0);
+}
+
+}  // namespace
+}  // namespace s2nnds
