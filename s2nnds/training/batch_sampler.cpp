@@ -89,10 +89,15 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
         options.share_counterexamples + options.share_band + options.share_goal);
   const Points position = stack_positions(demonstrations), velocity = stack_velocities(demonstrations);
   std::vector<Eigen::Index> kept;
-  for (Eigen::Index i = 0; i < position.rows(); ++i) {
-    const Vector x = position.row(i);
-    const Vector reach = Vector::Constant(x.size(), keep_clear);
-    if (keep_clear == 0.0 || !may_meet(*problem.unsafe, {x - reach, x + reach}, 8)) kept.push_back(i);
+  Eigen::Index i = 0;
+  for (const Demonstration& demonstration : demonstrations) {
+    // A demonstration through the obstacle must be bent away from it, which takes room.
+    const bool meets = problem.unsafe->level(demonstration.position).minCoeff() <= 0.0;
+    const Vector reach = Vector::Constant(problem.dimension(), meets ? 2.0 * keep_clear : keep_clear);
+    for (Eigen::Index k = 0; k < demonstration.samples(); ++k, ++i) {
+      const Vector x = position.row(i);
+      if (keep_clear == 0.0 || !may_meet(*problem.unsafe, {x - reach, x + reach}, 8)) kept.push_back(i);
+    }
   }
   check(!kept.empty(), "training: every demonstration sample lies within keep_clear = {} of the unsafe set",
         keep_clear);

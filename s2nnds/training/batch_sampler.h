@@ -27,7 +27,8 @@ struct CounterexamplePools {
 // it.
 class BatchSampler {
  public:
-  // `keep_clear`: demonstration samples nearer to the unsafe set than this, per axis, are left out.
+  // `keep_clear`: demonstration samples nearer to the unsafe set than this, per axis, are left out; twice as
+  // near for demonstrations that pass through it.
   BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
                const BatchOptions& options, double keep_clear);
 

@@ -136,7 +136,8 @@ class Trainer::Impl {
     RoundSummary row;
     row.round = round;
     label(row);
-    const double factor = std::max(options_.rate_floor, std::pow(options_.rate_decay, round - 1));
+    const auto age = static_cast<double>((round - 1) % options_.rate_period);
+    const double factor = std::max(options_.rate_floor, std::pow(options_.rate_decay, age));
     torch::optim::AdamW optimizers[] = {adam(*modules_.f, options_.rate_f * factor),
                                         adam(*modules_.V, options_.rate_certificates * factor),
                                         adam(*modules_.B, options_.rate_certificates * factor)};

@@ -61,8 +61,8 @@ struct BatchOptions {
   std::int64_t labels = 256;  // half of them with safe rollouts
   // Shares of the workspace batch; the rest is uniform in X.
   double share_counterexamples = 0.3;
-  double share_band = 0.25;   // points with |B| < band_near
-  double share_goal = 0.15;   // log-uniform distance to the goal
+  double share_band = 0.25;  // points with |B| < band_near
+  double share_goal = 0.15;  // log-uniform distance to the goal
   double band_near = 0.06;
   std::int64_t band_refresh = 100;  // steps after which the points near {B = 0} are sought anew
 
@@ -75,12 +75,16 @@ struct TrainerOptions {
   std::int64_t min_rounds = 6;   // stopping at the first clean round underfits the demonstrations
   std::int64_t steps = 500;      // Adam steps a round
   double rate_f = 1e-3;
-  double rate_certificates = 3e-3;     // V and B
-  double rate_decay = 0.9;             // a round
-  double rate_floor = 0.05;            // least factor of the rates
-  double clip = 1.0;                   // norm of each network's gradient
-  std::int64_t label_points = 6000;    // relabelled every round by rollouts; 0: no labels
-  double keep_clear = 0.05;            // demonstration samples nearer to Xu (per axis) leave the MSE term
+  double rate_certificates = 3e-3;  // V and B
+  double rate_decay = 0.9;          // a round
+  double rate_floor = 0.05;         // least factor of the rates
+  std::int64_t rate_period =
+      16;             // rounds after which the decay starts anew: small rates do not leave a bad shape
+  double clip = 1.0;  // norm of each network's gradient
+  std::int64_t label_points = 6000;  // relabelled every round by rollouts; 0: no labels
+  // Demonstration samples nearer to Xu than this (per axis) leave the MSE term; twice this for demonstrations
+  // that pass through Xu.
+  double keep_clear = 0.05;
   std::int64_t samples = 200000;       // random search for counterexamples after each round
   std::int64_t pool_additions = 500;   // violators of one condition that join the pool each round
   std::int64_t pool_capacity = 20000;  // the oldest counterexamples leave beyond this
