@@ -9,6 +9,7 @@ namespace s2nnds {
 namespace {
 
 constexpr double kDoesNotApply = -std::numeric_limits<double>::infinity();
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 using Mask = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
@@ -32,7 +33,11 @@ Mask within(const RegionPtr& region, const Points& x) {
 
 Mask is_goal(const Points& x) { return (x.array() == 0.0).rowwise().all(); }
 
-Mask within_band(const Vector& barrier, double band) { return !(barrier.array().abs() > band); }
+// A barrier without a finite value is not known to be off the band.
+Mask within_band(const Vector& barrier, double band) {
+  const auto magnitude = barrier.array().abs();
+  return !(magnitude > band && magnitude < std::numeric_limits<double>::infinity());
+}
 
 // What the conditions are made of, for a set of points.
 struct Ingredients {
@@ -77,8 +82,13 @@ Ingredients evaluate_for(Condition condition, const Networks& networks, const Po
   return found;
 }
 
+// A network that overflows has no value there: that is a violation, and must not look like "does not apply".
 Vector keep_where(const Mask& applies, const Vector& residual) {
-  return applies.select(residual.array(), kDoesNotApply);
+  Vector kept = Vector::Constant(residual.size(), kDoesNotApply);
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    if (applies[i]) kept[i] = std::isfinite(residual[i]) ? residual[i] : kNotANumber;
+  }
+  return kept;
 }
 
 // rho_q where it applies; `inside` says which points lie in X.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <numeric>
 
 #include "s2nnds/core/check.h"
@@ -12,14 +13,15 @@ namespace {
 constexpr double kFirstStep = 0.02;
 constexpr double kShortestStep = 1e-9;
 constexpr int kMostSteps = 100'000;
+constexpr Eigen::Index kChunk = 512;  // starts that advance together
 
 // Many motions at once. Each has its own time and step; those that are decided leave the batch, so that the
 // rest stays packed for the network.
 class BatchRollout {
  public:
-  BatchRollout(const LayerStack& f, const SafetyProblem& problem, const Points& starts,
+  BatchRollout(const Evaluator& field, const SafetyProblem& problem, const Points& starts,
                const BatchRolloutOptions& options)
-      : field_(f),
+      : field_(field),
         events_(problem, options.goal_radius, true, true),
         options_(options),
         safe_(static_cast<std::size_t>(starts.rows()), false),
@@ -162,7 +164,7 @@ class BatchRollout {
     step_.conservativeResize(left);
   }
 
-  Evaluator field_;
+  const Evaluator& field_;
   RolloutEvents events_;
   BatchRolloutOptions options_;
   std::vector<bool> safe_;                // [starts]
@@ -184,7 +186,26 @@ std::vector<bool> rollout_is_safe(const LayerStack& f, const SafetyProblem& prob
       options.step > 0.0 && options.tolerance > 0.0 && options.duration > 0.0 && options.goal_radius > 0.0,
       "rollout_is_safe: found step = {}, tolerance = {}, duration = {}, goal_radius = {}, expected each > 0",
       options.step, options.tolerance, options.duration, options.goal_radius);
-  return BatchRollout(f, problem, starts, options).run();
+  const Evaluator field(f);
+  const Eigen::Index chunks = (starts.rows() + kChunk - 1) / kChunk;
+  std::vector<std::vector<bool>> safe(static_cast<std::size_t>(chunks));
+  std::exception_ptr failure;
+  // One parallel loop over chunks: within a chunk the batches become too small to share.
+#pragma omp parallel for schedule(dynamic)
+  for (Eigen::Index c = 0; c < chunks; ++c) {
+    try {
+      const Eigen::Index first = c * kChunk;
+      const Points part = starts.middleRows(first, std::min(kChunk, starts.rows() - first));
+      safe[static_cast<std::size_t>(c)] = BatchRollout(field, problem, part, options).run();
+    } catch (...) {
+#pragma omp critical
+      failure = std::current_exception();
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+  std::vector<bool> all;
+  for (const std::vector<bool>& part : safe) all.insert(all.end(), part.begin(), part.end());
+  return all;
 }
 
 }  // namespace s2nnds

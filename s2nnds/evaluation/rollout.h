@@ -48,7 +48,7 @@ Points roll_out_at(const LayerStack& f, const Vector& start, const Vector& times
 // roll_out. For training labels and areas, not proofs.
 struct BatchRolloutOptions {
   double step = 0.5;        // longest step, normalised time
-  double tolerance = 1e-4;  // largest local error of a step, normalised position
+  double tolerance = 3e-4;  // largest local error of a step, normalised position
   double duration = 40.0;   // longest normalised time; not at the goal by then counts as unsafe
   double goal_radius = 0.02;
 };

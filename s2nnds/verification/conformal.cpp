@@ -11,18 +11,13 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
-#include "s2nnds/networks/evaluator.h"
 #include "s2nnds/problem/region_sampler.h"
+#include "s2nnds/verification/band_sampler.h"
 
 namespace s2nnds {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// The band around {B = 0} is sampled by rejection from X: this many draws a wanted sample at most, so that a
-// band of less than a thousandth of X counts as one that cannot be sampled.
-constexpr std::int64_t kDrawsPerSample = 1000;
-constexpr std::int64_t kDrawBatch = 65536;
 
 void check_probabilities(const char* where, double epsilon, double beta) {
   check(epsilon > 0.0 && epsilon < 1.0, "{}: found epsilon = {}, expected in (0, 1)", where, epsilon);
@@ -88,36 +83,12 @@ Vector scores_in(const RegionPtr& region, Condition condition, const Networks& n
                   sampler.sample(static_cast<std::size_t>(count), random));
 }
 
-Points select_rows(const Points& x, const std::vector<Eigen::Index>& rows) {
-  return x(rows, Eigen::all);
-}
-
-// Scores of `count` i.i.d. uniform points of the band |B| <= band within X, by rejection; none if too few
-// turn up.
+// Scores of `count` i.i.d. uniform points of the band |B| <= band within X; none if it cannot be sampled.
 Vector scores_in_band(const Networks& networks, const SafetyProblem& problem, double band, std::int64_t count,
                       RandomStream& random) {
-  const Evaluator barrier_network(networks.B);
-  Vector scores(count);
-  std::int64_t found = 0;
-  for (std::int64_t draws = 0; found < count; draws += kDrawBatch) {
-    const bool hopeless = found == 0 && draws >= count;
-    if (hopeless || draws / kDrawsPerSample >= count) return {};
-    const Points x = sample_box(problem.workspace, kDrawBatch, random);
-    const Points barrier = barrier_network.value(x);
-    std::vector<Eigen::Index> inside;
-    for (Eigen::Index i = 0; i < x.rows(); ++i) {
-      if (!(std::abs(barrier(i, 0)) > band)) inside.push_back(i);
-    }
-    if (inside.empty()) continue;
-    const Vector batch =
-        residual(Condition::barrier_decrease, networks, problem, band, select_rows(x, inside));
-    for (Eigen::Index i = 0; i < batch.size() && found < count; ++i) {
-      // B is evaluated twice; a point that rounding puts just outside the band the second time does not
-      // count.
-      if (batch[i] != -kInfinity) scores[found++] = batch[i];
-    }
-  }
-  return scores;
+  const Points x = BandSampler(networks.B, problem.workspace, band).sample(count, random);
+  if (x.rows() < count) return {};
+  return residual(Condition::barrier_decrease, networks, problem, band, x);
 }
 
 Vector calibration_scores(Condition condition, const Networks& networks, const SafetyProblem& problem,

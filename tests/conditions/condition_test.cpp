@@ -138,9 +138,9 @@ TEST(Residuals, DoWithoutShellAndObstacle) {
   EXPECT_TRUE((all.col(static_cast<Eigen::Index>(Condition::unsafe)).array() == kNever).all());
 }
 
-TEST(Residuals, NotANumberIsAViolation) {
+TEST(Residuals, OverflowIsAViolation) {
   Networks networks = simple_networks();
-  // inf - inf: finite weights, and yet no value.
+  // Finite weights, and yet inf - inf or (where products are fused into sums) inf of either sign.
   networks.V = {.layers = {{.weight = Points{{1e200, 0.0}, {1e200, 0.0}}, .bias = {}},
                            {.weight = Points{{1e200, -1e200}}, .bias = {}}}};
   const Points x{{0.5, 0.5}};

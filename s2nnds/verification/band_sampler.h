@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+
+#include "s2nnds/core/random.h"
+#include "s2nnds/networks/evaluator.h"
+#include "s2nnds/problem/box.h"
+
+namespace s2nnds {
+
+// Draws i.i.d. uniform points of the band |B(x)| <= band within a box. The band is often less than a
+// hundredth of the workspace; so boxes that Taylor models of B prove to be off it are left out, and the rest
+// is sampled by rejection.
+class BandSampler {
+ public:
+  // Throws Error unless `within` is finite and of B's dimension.
+  BandSampler(const LayerStack& B, const Box& within, double band);
+
+  // [count, n]. Fewer rows (none at all, if nothing turns up soon) when the band is too thin even for this:
+  // more than a thousand draws a point. A B without a finite value counts as within the band.
+  Points sample(std::int64_t count, RandomStream& random) const;
+  // The volume of what is sampled by rejection, at least that of the band.
+  double cover_volume() const;
+
+ private:
+  Points draw(std::int64_t count, RandomStream& random) const;
+
+  Evaluator barrier_;
+  double band_;
+  Points lower_;  // [M, n] of the cover's boxes, which all have one size
+  Vector side_;   // [n]
+};
+
+}  // namespace s2nnds
