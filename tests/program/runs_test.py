@@ -127,7 +127,8 @@ class JsonTest(ProgramTest):
             self.assertEqual(file["certificate"].attrs["weight_hash"], report["weight_hash"])
 
     def test_without_json_no_json(self):
-        _, out, _ = self.call("info", self.trained())
+        code, out, err = self.call("info", self.trained())
+        self.assertEqual((code, err), (0, ""), out)
         self.assertFalse(out.splitlines()[-1].startswith("{"))
 
 
@@ -163,6 +164,26 @@ class VerifyTest(ProgramTest):
         self.assertEqual(certificate["guarantee"], "sampled")
         self.assertEqual({v["violations"] for v in verdicts.values()}, {0})
         self.assertGreaterEqual(len(verdicts), 5)
+
+    def test_proof(self):
+        run = self.certified()
+        code, out, err = self.call("verify", run, "--method", "proof")
+        self.assertEqual((code, err), (0, ""), out)
+        certificate, verdicts = self.certificate(run)
+        self.assertEqual(certificate["guarantee"], "invariant")
+        self.assertEqual({v["verdict"] for v in verdicts.values()}, {"proved"})
+        self.assertGreater(certificate["disturbance_margin"], 0.0)
+        self.assertIn("proved", out)
+
+    def test_proof_of_what_does_not_hold(self):
+        run = self.certified()
+        with h5py.File(run, "r+") as file:
+            file["networks/B/bias_1"][0] = 0.5  # B > 0 everywhere, the initial set included
+        code, out, err = self.call("verify", run, "--method", "proof")
+        self.assertEqual((code, err), (3, ""), out)
+        certificate, verdicts = self.certificate(run)
+        self.assertEqual(certificate["guarantee"], "none")
+        self.assertEqual(verdicts["initial"]["verdict"], "refuted")
 
     def test_conformal_twice_spends_less_of_beta(self):
         run = self.certified()
