@@ -20,7 +20,7 @@ constexpr int kDeepestNesting = 200;
 constexpr int kMostSigns = 2000;
 
 std::string excerpt(const std::string& text) {
-  return text.size() <= 100 ? text : text.substr(0, 97) + "...";
+  return text.size() <= 100 ? text : fmt::format("{}...", text.substr(0, 97));
 }
 
 // The text with what the front end would read as something else made plain: ^ means power, line breaks mean
