@@ -9,4 +9,5 @@ echo "tests/run.sh: building into build/release"
 cmake --preset release "$@"
 cmake --build --preset release
 echo "tests/run.sh: running the tests that are not labelled slow"
-ctest --preset release -j2
+# Waiting threads sleep: spinning ones would take the other test's core.
+OMP_WAIT_POLICY=passive ctest --preset release -j2

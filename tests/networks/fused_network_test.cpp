@@ -102,7 +102,9 @@ TEST_P(EveryActivation, EvaluatorMatchesPlainLoopsOverShapesAndHeads) {
         ASSERT_LT((slope - derivative.row(i).transpose()).norm(), 1e-6 * (1 + slope.norm()));
       }
       const Points zero = Points::Zero(1, sizes[0]);
-      if (head != Head::plain) EXPECT_EQ(stack.value(zero).norm(), 0.0);
+      if (head != Head::plain) {
+        EXPECT_EQ(stack.value(zero).norm(), 0.0);
+      }
     }
   }
 }
@@ -160,7 +162,7 @@ TEST_P(EveryActivation, ReverseSweepMatchesDifferences) {
 INSTANTIATE_TEST_SUITE_P(All, EveryActivation,
                          testing::Values(Activation::identity, Activation::tanh, Activation::elu,
                                          Activation::softplus, Activation::silu, Activation::sine),
-                         [](const auto& info) { return std::string(to_string(info.param)); });
+                         [](const auto& test) { return std::string(to_string(test.param)); });
 
 TEST(LayerStack, RefusesShapesThatDoNotFit) {
   RandomStream random(1, "shapes");

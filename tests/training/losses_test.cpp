@@ -83,9 +83,9 @@ std::vector<Case> cases() {
   }
   return all;
 }
-INSTANTIATE_TEST_SUITE_P(All, Engines, testing::ValuesIn(cases()), [](const auto& info) {
-  return info.param.activation + std::to_string(info.param.dimension) + info.param.loss +
-         (info.param.dtype == torch::kFloat64 ? "Double" : "Float");
+INSTANTIATE_TEST_SUITE_P(All, Engines, testing::ValuesIn(cases()), [](const auto& test) {
+  return test.param.activation + std::to_string(test.param.dimension) + test.param.loss +
+         (test.param.dtype == torch::kFloat64 ? "Double" : "Float");
 });
 
 // Equations (7) and (8) term by term on networks whose values are known: constants.
