@@ -118,7 +118,7 @@ TEST(BatchSampler, LeavesOutSamplesNearTheObstacleAndOnlyThose) {
   const Points all = stack_positions(fixture.demonstrations);
   Eigen::Index far = 0;
   for (Eigen::Index i = 0; i < all.rows(); ++i)
-    far += (all.row(i).transpose() - through).norm() > 0.05 + 0.08;
+    far += (all.row(i).transpose() - through).norm() > 0.05 + 0.15;  // twice keep_clear per axis, to a corner
   EXPECT_GE(kept.rows(), far);
 }
 
