@@ -34,7 +34,8 @@ class SeedTest(ProgramTest):
 
     def test_comparison_leaves_out_clocks_alone(self):
         compared = command_line.contents(self.trained())
-        self.assertEqual([name for name in compared if "second" in name or "created" in name], [])
+        measured = [name for name in compared if not name.startswith("/config/")]  # which has limits in seconds
+        self.assertEqual([name for name in measured if "second" in name or "created" in name], [])
         for name in ("/history/loss", "/grid/B", "/certificate/@weight_hash", "/certificate/conditions/0/worst",
                      "/checkpoint/@round", "/@schema_version", "/config/text"):
             self.assertIn(name, compared, CLOCKS)
