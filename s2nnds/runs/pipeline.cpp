@@ -1,5 +1,7 @@
 #include "s2nnds/runs/pipeline.h"
 
+#include <fmt/ranges.h>
+
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -361,13 +363,28 @@ std::string sample_statement(const RunRecord& record) {
 
 }  // namespace
 
+namespace {
+
+// Samples that passed must not hide a point that a proof knows to violate a condition.
+std::string refutation(const Certificate& certificate) {
+  std::string text;
+  for (const ConditionVerdict& verdict : certificate.conditions) {
+    if (verdict.method != "proof" || verdict.verdict != "refuted") continue;
+    text += fmt::format(" But the proof REFUTED {}: it is violated at ({:.6g}).", verdict.condition,
+                        fmt::join(verdict.witness, ", "));
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string guarantee_statement(const RunRecord& record) {
   const std::string& guarantee = record.certificate.guarantee;
   if (guarantee == "none") {
     return "Nothing is guaranteed: a condition was violated at a sampled point, or nothing was checked.";
   }
   const bool proof = guarantee == "proved" || guarantee == "invariant";
-  return (proof ? proof_statement(record) : sample_statement(record)) +
+  return (proof ? proof_statement(record) : sample_statement(record)) + refutation(record.certificate) +
          " It speaks of the kinematic motion in normalised, goal-centred coordinates, not of a robot's "
          "tracking error.";
 }
