@@ -11,8 +11,9 @@ namespace {
 
 using std::ptrdiff_t;
 
-constexpr ptrdiff_t kTileRows =
-    48;  // a multiple of the kernels' row blocks; three tiles of 64 columns fit in L1
+constexpr ptrdiff_t kTileRows = FusedNetwork<float>::tile_rows;
+// Memory of a tile's sweeps, in tiles of the widest layer.
+constexpr ptrdiff_t kForwardScratch = 8, kBackwardScratch = 7;
 constexpr ptrdiff_t kGradientChunks = 8;  // partial gradients, summed in order whatever the number of threads
 constexpr ptrdiff_t kLeastParallelWork =
     1000000;  // products; less is done before a second thread has woken up
@@ -152,7 +153,7 @@ void FusedNetwork<T>::forward(ptrdiff_t samples, const T* x, const T* direction,
 #pragma omp parallel if (tiles > 1 && samples * parameters() > kLeastParallelWork)
   {
     Buffer<T> scratch;
-    scratch.reserve(8 * kTileRows * widest_);
+    scratch.reserve(kForwardScratch * kTileRows * widest_);
 #pragma omp for schedule(static)
     for (ptrdiff_t t = 0; t < tiles; ++t) {
       const ptrdiff_t first = t * kTileRows, rows = std::min(kTileRows, samples - first);
@@ -244,7 +245,7 @@ void FusedNetwork<T>::backward(const T* x, const T* direction, const Tape& tape,
 #pragma omp parallel if (chunks > 1 && samples * parameters() > kLeastParallelWork)
   {
     Buffer<T> scratch;
-    scratch.reserve(7 * kTileRows * widest_);
+    scratch.reserve(kBackwardScratch * kTileRows * widest_);
 #pragma omp for schedule(static)
     for (ptrdiff_t c = 0; c < chunks; ++c) {
       T* gradient = partial.data() + c * gradient_size_;
@@ -263,21 +264,59 @@ void FusedNetwork<T>::backward(const T* x, const T* direction, const Tape& tape,
   for (ptrdiff_t c = 1; c < chunks; ++c) {
     for (ptrdiff_t i = 0; i < gradient_size_; ++i) total[i] += partial.data()[c * gradient_size_ + i];
   }
-  const T* from = total;
+  unpack_gradient(total, parameter_gradient);
+}
+
+template <typename T>
+void FusedNetwork<T>::unpack_gradient(const T* packed, T* parameter_gradient) const {
   for (const Packed& p : packed_) {
     T* to = parameter_gradient + p.parameter;
     for (ptrdiff_t o = 0; o < p.shape.outputs; ++o) {
-      std::copy_n(from + o * p.in_width, p.shape.inputs, to + o * p.shape.inputs);
+      std::copy_n(packed + o * p.in_width, p.shape.inputs, to + o * p.shape.inputs);
     }
-    from += p.shape.outputs * p.in_width;
-    if (p.shape.bias) std::copy_n(from, p.shape.outputs, to + p.shape.outputs * p.shape.inputs);
-    from += p.out_width;
+    packed += p.shape.outputs * p.in_width;
+    if (p.shape.bias) std::copy_n(packed, p.shape.outputs, to + p.shape.outputs * p.shape.inputs);
+    packed += p.out_width;
   }
+}
+
+template <typename T>
+FusedTile<T>::FusedTile(const FusedNetwork<T>& network) : network_(network) {
+  scratch_.reserve(std::max(kForwardScratch, kBackwardScratch) * kTileRows * network.widest_);
+  tape_.reserve(kTapeQuantities * network.tape_width_ * kTileRows);
+  gradient_.reserve(network.gradient_size_);
+  clear_gradient();
+}
+
+template <typename T>
+void FusedTile<T>::clear_gradient() {
+  std::fill_n(gradient_.data(), network_.gradient_size_, T(0));
+}
+
+template <typename T>
+void FusedTile<T>::forward(ptrdiff_t rows, const T* x, const T* direction, T* value, T* derivative) {
+  rows_ = rows;
+  x_ = x;
+  direction_ = direction;
+  network_.forward_tile(rows, x, direction, value, derivative, scratch_.data(), tape_.data(), kTileRows, 0);
+}
+
+template <typename T>
+void FusedTile<T>::backward(const T* adjoint_value, const T* adjoint_derivative, T* adjoint_direction) {
+  network_.backward_tile(rows_, x_, direction_, tape_.data(), kTileRows, 0, adjoint_value, adjoint_derivative,
+                         gradient_.data(), direction_ ? adjoint_direction : nullptr, scratch_.data());
+}
+
+template <typename T>
+void FusedTile<T>::unpack_gradient(T* parameter_gradient) const {
+  network_.unpack_gradient(gradient_.data(), parameter_gradient);
 }
 
 template class Buffer<float>;
 template class Buffer<double>;
 template class FusedNetwork<float>;
 template class FusedNetwork<double>;
+template class FusedTile<float>;
+template class FusedTile<double>;
 
 }  // namespace s2nnds

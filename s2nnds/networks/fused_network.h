@@ -49,6 +49,8 @@ class Buffer {
 template <typename T>
 class FusedNetwork {
  public:
+  static constexpr std::ptrdiff_t tile_rows = 48;  // a multiple of the kernels' row blocks; fits in the L1 cache
+
   explicit FusedNetwork(std::vector<LayerShape> layers);
 
   std::ptrdiff_t inputs() const { return layers_.front().inputs; }
@@ -76,6 +78,9 @@ class FusedNetwork {
                 const T* adjoint_derivative, T* parameter_gradient, T* adjoint_direction) const;
 
  private:
+  template <typename>
+  friend class FusedTile;
+
   struct Packed {
     LayerShape shape;
     std::ptrdiff_t in_width = 0, out_width = 0;          // padded
@@ -89,6 +94,7 @@ class FusedNetwork {
   void backward_tile(std::ptrdiff_t rows, const T* x, const T* direction, const T* tape,
                      std::ptrdiff_t tape_samples, std::ptrdiff_t first, const T* adjoint_value,
                      const T* adjoint_derivative, T* gradient, T* adjoint_direction, T* scratch) const;
+  void unpack_gradient(const T* packed, T* parameter_gradient) const;
 
   std::vector<LayerShape> layers_;
   std::vector<Packed> packed_;
@@ -97,6 +103,33 @@ class FusedNetwork {
   std::ptrdiff_t widest_ = 0;
   std::ptrdiff_t tape_width_ = 0;  // elements per sample and stored quantity, over all hidden layers
   std::ptrdiff_t gradient_size_ = 0;
+};
+
+// One tile of at most tile_rows samples forward and back, in memory of its own: a loss over several networks
+// strings such tiles together while all of them are in cache. The gradient of the parameters adds up over the
+// tiles. The network must outlive it; not to be shared by threads.
+template <typename T>
+class FusedTile {
+ public:
+  explicit FusedTile(const FusedNetwork<T>& network);
+
+  // As FusedNetwork::forward; x and direction must live until backward.
+  void forward(std::ptrdiff_t rows, const T* x, const T* direction, T* value, T* derivative);
+  // Of the last forward: adds to the gradient and, unless null, writes the adjoint of the direction.
+  void backward(const T* adjoint_value, const T* adjoint_derivative, T* adjoint_direction);
+
+  void clear_gradient();
+  // The gradient in the network's padded order, where gradients of several tiles may be added up.
+  T* packed_gradient() { return gradient_.data(); }
+  std::ptrdiff_t packed_size() const { return network_.gradient_size_; }
+  void unpack_gradient(T* parameter_gradient) const;  // [parameters()]
+
+ private:
+  const FusedNetwork<T>& network_;
+  Buffer<T> scratch_, tape_, gradient_;
+  std::ptrdiff_t rows_ = 0;
+  const T* x_ = nullptr;
+  const T* direction_ = nullptr;
 };
 
 }  // namespace s2nnds

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/training/losses.h"
+#include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/warm_start.h"
 
 namespace s2nnds {
@@ -141,10 +141,11 @@ class Trainer::Impl {
     torch::optim::AdamW optimizers[] = {adam(*modules_.f, options_.rate_f * factor),
                                         adam(*modules_.V, options_.rate_certificates * factor),
                                         adam(*modules_.B, options_.rate_certificates * factor)};
+    JointLoss loss(modules_, options_.loss);
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     for (std::int64_t step = 0; step < options_.steps; ++step) {
       if (step % options_.batch.band_refresh == 0) seek_band(candidates);
-      const LossTerms terms = joint_loss(modules_, tensors(sampler_.draw(random)), options_.loss);
+      const LossTerms terms = loss(tensors(sampler_.draw(random)));
       for (auto& optimizer : optimizers) optimizer.zero_grad();
       terms.total.backward();
       for (auto& optimizer : optimizers) {

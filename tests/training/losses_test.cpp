@@ -1,4 +1,4 @@
-#include "s2nnds/training/losses.h"
+#include "s2nnds/training/joint_loss.h"
 
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ Result run(const Case& c, Engine engine) {
   Modules modules = make(c, engine);
   LossOptions options;
   options.kind = c.loss;
-  const LossTerms terms = joint_loss(modules, draw(c), options);
+  const LossTerms terms = JointLoss(modules, options)(draw(c));
   terms.total.backward();
   return {
       terms.total.item<double>(),
@@ -107,7 +107,7 @@ TEST(PaperLoss, MatchesTheFormulas) {
   o.margin_unsafe = 0.05;
   o.margin_band = 0.04;
   o.leak = 0.1;
-  const LossTerms terms = joint_loss(modules, draw(c), o);
+  const LossTerms terms = JointLoss(modules, o)(draw(c));
   EXPECT_NEAR(terms.lyapunov.item<double>(), o.lyapunov * (0.01 + 0.1 * -0.03), 1e-12);
   EXPECT_NEAR(terms.separation.item<double>(), o.separation * (0.72 + 0.1 * -0.65), 1e-12);
   EXPECT_NEAR(terms.band.item<double>(), o.band * (0.1 * -0.04), 1e-12);

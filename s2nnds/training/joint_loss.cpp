@@ -1,0 +1,86 @@
+#include "s2nnds/training/joint_loss.h"
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+using torch::autograd::AutogradContext;
+using torch::autograd::tensor_list;
+
+// A scalar whose gradients in three parameters are known already.
+class Differentiated : public torch::autograd::Function<Differentiated> {
+ public:
+  static torch::Tensor forward(AutogradContext* context, const torch::Tensor& f, const torch::Tensor&,
+                               const torch::Tensor&, double value, const tensor_list& gradients) {
+    context->save_for_backward(gradients);
+    return torch::scalar_tensor(value, f.options().requires_grad(false));
+  }
+  static tensor_list backward(AutogradContext* context, tensor_list adjoint) {
+    tensor_list all = context->get_saved_variables();
+    for (torch::Tensor& gradient : all) gradient = gradient * adjoint[0];
+    all.resize(5);  // no gradients in the value and the list
+    return all;
+  }
+};
+
+NetworkShape shape_of(const Mlp& network, const LayerStack& snapshot) {
+  return {network->shapes(), snapshot.head, snapshot.quadratic};
+}
+
+template <typename T>
+std::unique_ptr<JointSweep<T>> sweep_of(const Modules& m, const LossOptions& options) {
+  return std::make_unique<JointSweep<T>>(shape_of(m.f->network, m.f->snapshot()),
+                                         shape_of(m.V->network, m.V->snapshot()),
+                                         shape_of(m.B->network, m.B->snapshot()), options);
+}
+
+}  // namespace
+
+JointLoss::JointLoss(const Modules& networks, const LossOptions& options)
+    : networks_(networks), options_(options) {
+  for (const Mlp& network : {networks.f->network, networks.V->network, networks.B->network}) {
+    if (network->engine != Engine::fused) return;
+  }
+  if (networks.f->network->theta.dtype() == torch::kFloat64) {
+    double_sweep_ = sweep_of<double>(networks, options);
+  } else {
+    float_sweep_ = sweep_of<float>(networks, options);
+  }
+}
+
+LossTerms JointLoss::operator()(const BatchTensors& batch) {
+  if (float_sweep_) return run(*float_sweep_, batch);
+  if (double_sweep_) return run(*double_sweep_, batch);
+  return joint_loss(networks_, batch, options_);
+}
+
+template <typename T>
+LossTerms JointLoss::run(JointSweep<T>& sweep, const BatchTensors& batch) {
+  const torch::Tensor f = networks_.f->network->theta, V = networks_.V->network->theta,
+                      B = networks_.B->network->theta;
+  std::vector<torch::Tensor> kept;  // contiguous copies, where there had to be any
+  const auto view = [&](const torch::Tensor& x) -> PointsView<T> {
+    if (!x.defined()) return {};
+    check(x.dim() == 2 && x.size(1) == networks_.f->network->inputs() && x.dtype() == f.dtype(),
+          "joint loss: expected points [N, {}] of the networks' type", networks_.f->network->inputs());
+    kept.push_back(x.contiguous());
+    return {kept.back().data_ptr<T>(), x.size(0)};
+  };
+  const BatchView<T> views{view(batch.position), view(batch.velocity), view(batch.workspace), view(batch.initial),
+                           view(batch.unsafe),   view(batch.safe),     view(batch.doomed)};
+  check(views.position.count == views.velocity.count, "joint loss: found {} positions and {} velocities",
+        views.position.count, views.velocity.count);
+  const tensor_list gradients = {torch::empty_like(f), torch::empty_like(V), torch::empty_like(B)};
+  const LossSums sums = sweep.run(f.data_ptr<T>(), V.data_ptr<T>(), B.data_ptr<T>(), views,
+                                  gradients[0].data_ptr<T>(), gradients[1].data_ptr<T>(),
+                                  gradients[2].data_ptr<T>());
+  const auto scalar = [&](double value) { return torch::scalar_tensor(value, f.options().requires_grad(false)); };
+  LossTerms terms{scalar(sums.mse), scalar(sums.lyapunov), scalar(sums.separation), scalar(sums.band),
+                  scalar(sums.labels), {}};
+  terms.total = Differentiated::apply(
+      f, V, B, options_.mse * sums.mse + sums.lyapunov + sums.separation + sums.band + sums.labels, gradients);
+  return terms;
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <torch/torch.h>
+
+#include <memory>
+
+#include "s2nnds/training/joint_sweep.h"
+#include "s2nnds/training/losses.h"
+
+namespace s2nnds {
+
+// The loss of LossOptions of three networks, again and again: joint_loss of losses.h where the networks' engine is
+// autograd, one JointSweep where it is fused. The networks keep their identity: their weights may change between
+// calls, the modules may not.
+class JointLoss {
+ public:
+  JointLoss(const Modules& networks, const LossOptions& options);
+
+  // terms.total is differentiable in the networks' parameters. Throws Error if tensors do not fit.
+  LossTerms operator()(const BatchTensors& batch);
+
+ private:
+  template <typename T>
+  LossTerms run(JointSweep<T>& sweep, const BatchTensors& batch);
+
+  Modules networks_;
+  LossOptions options_;
+  std::unique_ptr<JointSweep<float>> float_sweep_;
+  std::unique_ptr<JointSweep<double>> double_sweep_;
+};
+
+}  // namespace s2nnds

@@ -1,0 +1,333 @@
+#include "s2nnds/training/joint_sweep.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+using std::ptrdiff_t;
+
+constexpr ptrdiff_t kChunks = 4;  // the most threads that can share a step
+constexpr ptrdiff_t kLeastParallelWork = 1000000;  // products; less is done before a second thread has woken up
+
+// relu(z) or, with a leak, the paper's leaky ReLU, and its derivative.
+struct Penalty {
+  double value, slope;
+};
+Penalty rectify(double z, double leak) { return z > 0.0 ? Penalty{z, 1.0} : Penalty{leak * z, leak}; }
+
+}  // namespace
+
+// A tile of samples and what is to be done with it.
+template <typename T>
+struct JointSweep<T>::Work {
+  enum class Kind { demonstrations, workspace, region } kind;
+  const T* points;
+  ptrdiff_t first, rows;
+  // Of a region: weight times the mean of the penalty of sign * B + margin, towards which term.
+  double weight = 0.0, sign = 1.0, margin = 0.0;
+  double LossSums::*term = nullptr;
+  double cost = 0.0;
+};
+
+// What one thread at a time works with.
+template <typename T>
+struct JointSweep<T>::Chunk {
+  Chunk(const FusedNetwork<T>& network_f, const FusedNetwork<T>& network_V, const FusedNetwork<T>& network_B)
+      : f(network_f), V(network_V), B(network_B) {
+    constexpr auto rows = static_cast<std::size_t>(FusedNetwork<T>::tile_rows);
+    const auto n = static_cast<std::size_t>(network_f.inputs()), m = static_cast<std::size_t>(network_V.outputs());
+    for (auto* of_f : {&velocity, &velocity_adjoint, &part}) of_f->resize(rows * n);
+    for (auto* of_V : {&features, &tangent, &features_adjoint, &tangent_adjoint}) of_V->resize(rows * m);
+    for (auto* of_B : {&barrier, &barrier_dot, &barrier_adjoint, &barrier_dot_adjoint}) of_B->resize(rows);
+    f_origin_adjoint.resize(n);
+    V_origin_adjoint.resize(m);
+  }
+
+  void clear() {
+    f.clear_gradient();
+    V.clear_gradient();
+    B.clear_gradient();
+    std::fill(f_origin_adjoint.begin(), f_origin_adjoint.end(), T(0));
+    std::fill(V_origin_adjoint.begin(), V_origin_adjoint.end(), T(0));
+    sums = {};
+    work.clear();
+    cost = 0.0;
+  }
+
+  FusedTile<T> f, V, B;
+  std::vector<T> velocity, velocity_adjoint, part;                      // [rows, n]
+  std::vector<T> features, tangent, features_adjoint, tangent_adjoint;  // [rows, features]
+  std::vector<T> barrier, barrier_dot, barrier_adjoint, barrier_dot_adjoint;
+  std::vector<T> f_origin_adjoint, V_origin_adjoint;  // of N(0)
+  LossSums sums;
+  std::vector<Work> work;
+  double cost = 0.0;
+};
+
+template <typename T>
+JointSweep<T>::JointSweep(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B,
+                          const LossOptions& options)
+    : shape_f_(f), shape_V_(V), options_(options), f_(f.layers), V_(V.layers), B_(B.layers) {
+  dimension_ = f_.inputs();
+  check(f_.outputs() == dimension_ && V_.inputs() == dimension_ && B_.inputs() == dimension_ && B_.outputs() == 1,
+        "joint sweep: f has {} inputs and {} outputs, V {} inputs, B {} inputs and {} outputs, expected n, n, n, n, 1",
+        f_.inputs(), f_.outputs(), V_.inputs(), B_.inputs(), B_.outputs());
+  check(f.head != Head::squared_norm && V.head != Head::anchored && B.head == Head::plain &&
+            (V.head == Head::squared_norm || V_.outputs() == 1),
+        "joint sweep: found heads {}, {}, {}, expected anchored or plain, squared_norm or plain, plain",
+        to_string(f.head), to_string(V.head), to_string(B.head));
+  origin_.resize(dimension_);
+  f_at_origin_.resize(f_.outputs());
+  V_at_origin_.resize(V_.outputs());
+  for (ptrdiff_t c = 0; c < kChunks; ++c) chunks_.push_back(std::make_unique<Chunk>(f_, V_, B_));
+}
+
+template <typename T>
+JointSweep<T>::~JointSweep() = default;
+
+// Tiles go, the costliest first, to the chunk with the least to do so far.
+template <typename T>
+void JointSweep<T>::share_out(const BatchView<T>& batch) {
+  std::vector<Work> all;
+  const auto tiles = [&](const PointsView<T>& points, Work work, double cost) {
+    for (ptrdiff_t first = 0; first < points.count; first += FusedNetwork<T>::tile_rows) {
+      work.points = points.data + first * dimension_;
+      work.first = first;
+      work.rows = std::min(FusedNetwork<T>::tile_rows, points.count - first);
+      work.cost = cost * static_cast<double>(work.rows);
+      all.push_back(work);
+    }
+  };
+  const auto products = [](const FusedNetwork<T>& network) { return static_cast<double>(network.parameters()); };
+  const auto region = [&](const PointsView<T>& points, double weight, double sign, double margin,
+                          double LossSums::*term) {
+    Work work{.kind = Work::Kind::region, .points = nullptr, .first = 0, .rows = 0};
+    work.weight = points.count > 0 ? weight / static_cast<double>(points.count) : 0.0;
+    work.sign = sign;
+    work.margin = margin;
+    work.term = term;
+    tiles(points, work, 3.0 * products(B_));
+  };
+  using Kind = typename Work::Kind;
+  tiles(batch.workspace, {.kind = Kind::workspace, .points = nullptr, .first = 0, .rows = 0},
+        3.0 * products(f_) + 6.0 * (products(V_) + products(B_)));
+  tiles(batch.position, {.kind = Kind::demonstrations, .points = nullptr, .first = 0, .rows = 0}, 3.0 * products(f_));
+  region(batch.initial, options_.separation, 1.0, options_.margin_initial, &LossSums::separation);
+  region(batch.unsafe, options_.separation, -1.0, options_.margin_unsafe, &LossSums::separation);
+  if (options_.kind != "paper") {
+    region(batch.safe, options_.labels, 1.0, options_.margin_label, &LossSums::labels);
+    region(batch.doomed, options_.labels, -1.0, options_.margin_label, &LossSums::labels);
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Work& a, const Work& b) { return a.cost > b.cost; });
+  for (const Work& work : all) {
+    const auto least = std::min_element(chunks_.begin(), chunks_.end(),
+                                        [](const auto& a, const auto& b) { return a->cost < b->cost; });
+    (*least)->work.push_back(work);
+    (*least)->cost += work.cost;
+  }
+}
+
+template <typename T>
+void JointSweep<T>::take_origins() {
+  if (shape_f_.head == Head::anchored) f_.forward(1, origin_.data(), nullptr, f_at_origin_.data(), nullptr, nullptr);
+  if (shape_V_.head != Head::plain) V_.forward(1, origin_.data(), nullptr, V_at_origin_.data(), nullptr, nullptr);
+}
+
+template <typename T>
+void JointSweep<T>::run_demonstrations(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
+  const ptrdiff_t n = dimension_;
+  const T* target = batch.velocity.data + work.first * n;
+  const double share = 1.0 / static_cast<double>(batch.position.count);
+  chunk.f.forward(work.rows, work.points, nullptr, chunk.velocity.data(), nullptr);
+  for (ptrdiff_t i = 0; i < work.rows * n; ++i) {
+    const T error = chunk.velocity[i] - f_at_origin_[i % n] - target[i];
+    chunk.sums.mse += share * static_cast<double>(error) * static_cast<double>(error);
+    const T adjoint = static_cast<T>(2.0 * options_.mse * share) * error;
+    chunk.velocity_adjoint[i] = adjoint;
+    chunk.f_origin_adjoint[i % n] -= adjoint;
+  }
+  chunk.f.backward(chunk.velocity_adjoint.data(), nullptr, nullptr);
+}
+
+template <typename T>
+void JointSweep<T>::run_region(Chunk& chunk, const Work& work) const {
+  chunk.B.forward(work.rows, work.points, nullptr, chunk.barrier.data(), nullptr);
+  const double leak = options_.kind == "paper" ? options_.leak : 0.0;
+  for (ptrdiff_t i = 0; i < work.rows; ++i) {
+    const Penalty penalty = rectify(work.sign * static_cast<double>(chunk.barrier[i]) + work.margin, leak);
+    chunk.sums.*work.term += work.weight * penalty.value;
+    chunk.barrier_adjoint[i] = static_cast<T>(work.weight * work.sign * penalty.slope);
+  }
+  chunk.B.backward(chunk.barrier_adjoint.data(), nullptr, nullptr);
+}
+
+namespace {
+
+// The Lyapunov and band terms of one sample, and their derivatives in V, Vdot, B and Bdot.
+struct SampleLoss {
+  double lyapunov = 0.0, band = 0.0;
+  double by_V = 0.0, by_V_dot = 0.0, by_B_dot = 0.0;
+};
+
+SampleLoss robust_loss(const LossOptions& o, double V, double V_dot, double B, double B_dot) {
+  SampleLoss loss;
+  const double scale = V + 1e-6, q = V_dot / scale + o.kappa;
+  if (q > 0.0) {
+    loss.lyapunov = o.lyapunov * std::log1p(q);
+    loss.by_V_dot = o.lyapunov / (1.0 + q) / scale;
+    loss.by_V = -loss.by_V_dot * V_dot / scale;
+  }
+  const double z = B_dot + o.margin_band;
+  if (z > 0.0) {
+    const double weight = o.band * std::exp(-(B / o.band_width) * (B / o.band_width));
+    loss.band = weight * z;
+    loss.by_B_dot = weight;
+  }
+  return loss;
+}
+
+SampleLoss paper_loss(const LossOptions& o, double V, double V_dot, double B_dot) {
+  const Penalty positive = rectify(o.margin_positive - V, o.leak);
+  const Penalty decrease = rectify(V_dot - o.margin_decrease, o.leak);
+  const Penalty band = rectify(B_dot - o.margin_band, o.leak);
+  return {.lyapunov = o.lyapunov * (positive.value + decrease.value), .band = o.band * band.value,
+          .by_V = -o.lyapunov * positive.slope, .by_V_dot = o.lyapunov * decrease.slope,
+          .by_B_dot = o.band * band.slope};
+}
+
+}  // namespace
+
+template <typename T>
+void JointSweep<T>::run_workspace(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
+  const ptrdiff_t n = dimension_, m = V_.outputs(), rows = work.rows;
+  const bool squared = shape_V_.head == Head::squared_norm, paper = options_.kind == "paper";
+  const double share = 1.0 / static_cast<double>(batch.workspace.count);
+  const T* x = work.points;
+  T* direction = chunk.velocity.data();
+  chunk.f.forward(rows, x, nullptr, direction, nullptr);
+  for (ptrdiff_t i = 0; i < rows * n; ++i) direction[i] -= f_at_origin_[i % n];
+  chunk.V.forward(rows, x, direction, chunk.features.data(), chunk.tangent.data());
+  chunk.B.forward(rows, x, direction, chunk.barrier.data(), chunk.barrier_dot.data());
+
+  T* direction_adjoint = chunk.velocity_adjoint.data();
+  for (ptrdiff_t s = 0; s < rows; ++s) {
+    T* feature = chunk.features.data() + s * m;
+    const T* tangent = chunk.tangent.data() + s * m;
+    double V = feature[0], V_dot = tangent[0];
+    if (squared) {
+      V = V_dot = 0.0;
+      for (ptrdiff_t j = 0; j < m; ++j) {
+        feature[j] -= V_at_origin_[j];
+        V += static_cast<double>(feature[j]) * static_cast<double>(feature[j]);
+        V_dot += 2.0 * static_cast<double>(feature[j]) * static_cast<double>(tangent[j]);
+      }
+      for (ptrdiff_t k = 0; k < n; ++k) {
+        const double point = x[s * n + k];
+        V += shape_V_.quadratic * point * point;
+        V_dot += 2.0 * shape_V_.quadratic * point * static_cast<double>(direction[s * n + k]);
+      }
+    }
+    const double B = chunk.barrier[s], B_dot = chunk.barrier_dot[s];
+    const SampleLoss loss =
+        paper ? paper_loss(options_, V, V_dot, B_dot) : robust_loss(options_, V, V_dot, B, B_dot);
+    chunk.sums.lyapunov += share * loss.lyapunov;
+    chunk.sums.band += share * loss.band;
+    const double by_V = share * loss.by_V, by_V_dot = share * loss.by_V_dot;
+    T* feature_adjoint = chunk.features_adjoint.data() + s * m;
+    T* tangent_adjoint = chunk.tangent_adjoint.data() + s * m;
+    if (squared) {
+      for (ptrdiff_t j = 0; j < m; ++j) {
+        feature_adjoint[j] = static_cast<T>(2.0 * by_V) * feature[j] + static_cast<T>(2.0 * by_V_dot) * tangent[j];
+        tangent_adjoint[j] = static_cast<T>(2.0 * by_V_dot) * feature[j];
+        chunk.V_origin_adjoint[j] -= feature_adjoint[j];
+      }
+    } else {
+      feature_adjoint[0] = static_cast<T>(by_V);
+      tangent_adjoint[0] = static_cast<T>(by_V_dot);
+    }
+    chunk.barrier_adjoint[s] = T(0);  // the band's weight is held constant
+    chunk.barrier_dot_adjoint[s] = static_cast<T>(share * loss.by_B_dot);
+    for (ptrdiff_t k = 0; k < n; ++k)
+      direction_adjoint[s * n + k] = static_cast<T>(2.0 * shape_V_.quadratic * by_V_dot) * x[s * n + k];
+  }
+
+  const auto add_part = [&] {
+    for (ptrdiff_t i = 0; i < rows * n; ++i) direction_adjoint[i] += chunk.part[i];
+  };
+  chunk.V.backward(chunk.features_adjoint.data(), chunk.tangent_adjoint.data(), chunk.part.data());
+  add_part();
+  chunk.B.backward(chunk.barrier_adjoint.data(), chunk.barrier_dot_adjoint.data(), chunk.part.data());
+  add_part();
+  for (ptrdiff_t i = 0; i < rows * n; ++i) chunk.f_origin_adjoint[i % n] -= direction_adjoint[i];
+  chunk.f.backward(direction_adjoint, nullptr, nullptr);
+}
+
+// N(0) enters every sample: its adjoints add up, and it goes back once.
+template <typename T>
+void JointSweep<T>::run_origins() {
+  Chunk& chunk = *chunks_.front();
+  const auto go_back = [&](FusedTile<T>& tile, std::vector<T> Chunk::*adjoint, std::vector<T>& value) {
+    for (std::size_t c = 1; c < chunks_.size(); ++c) {
+      for (std::size_t j = 0; j < (chunk.*adjoint).size(); ++j) (chunk.*adjoint)[j] += (*chunks_[c].*adjoint)[j];
+    }
+    tile.forward(1, origin_.data(), nullptr, value.data(), nullptr);
+    tile.backward((chunk.*adjoint).data(), nullptr, nullptr);
+  };
+  if (shape_f_.head == Head::anchored) go_back(chunk.f, &Chunk::f_origin_adjoint, f_at_origin_);
+  if (shape_V_.head == Head::squared_norm) go_back(chunk.V, &Chunk::V_origin_adjoint, V_at_origin_);
+}
+
+template <typename T>
+LossSums JointSweep<T>::run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch,
+                            T* gradient_f, T* gradient_V, T* gradient_B) {
+  f_.load(theta_f);
+  V_.load(theta_V);
+  B_.load(theta_B);
+  take_origins();
+  for (auto& chunk : chunks_) chunk->clear();
+  share_out(batch);
+  double cost = 0.0;
+  for (const auto& chunk : chunks_) cost += chunk->cost;
+#pragma omp parallel for schedule(static) if (cost > kLeastParallelWork)
+  for (ptrdiff_t c = 0; c < kChunks; ++c) {
+    Chunk& chunk = *chunks_[c];
+    for (const Work& work : chunk.work) {
+      if (work.kind == Work::Kind::demonstrations) run_demonstrations(chunk, work, batch);
+      if (work.kind == Work::Kind::workspace) run_workspace(chunk, work, batch);
+      if (work.kind == Work::Kind::region) run_region(chunk, work);
+    }
+  }
+  run_origins();
+
+  LossSums sums;
+  for (const auto& chunk : chunks_) {
+    sums.mse += chunk->sums.mse;
+    sums.lyapunov += chunk->sums.lyapunov;
+    sums.separation += chunk->sums.separation;
+    sums.band += chunk->sums.band;
+    sums.labels += chunk->sums.labels;
+  }
+  const auto add_up = [&](FusedTile<T> Chunk::*network, T* gradient) {
+    FusedTile<T>& total = *chunks_.front().*network;
+    for (std::size_t c = 1; c < chunks_.size(); ++c) {
+      const T* more = (*chunks_[c].*network).packed_gradient();
+      T* sum = total.packed_gradient();
+      for (ptrdiff_t i = 0; i < total.packed_size(); ++i) sum[i] += more[i];
+    }
+    total.unpack_gradient(gradient);
+  };
+  add_up(&Chunk::f, gradient_f);
+  add_up(&Chunk::V, gradient_V);
+  add_up(&Chunk::B, gradient_B);
+  return sums;
+}
+
+template class JointSweep<float>;
+template class JointSweep<double>;
+
+}  // namespace s2nnds

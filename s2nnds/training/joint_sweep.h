@@ -1,0 +1,74 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "s2nnds/networks/fused_network.h"
+#include "s2nnds/training/trainer_options.h"
+
+namespace s2nnds {
+
+// Points of a batch: [count, n] row-major; count may be 0.
+template <typename T>
+struct PointsView {
+  const T* data = nullptr;
+  std::ptrdiff_t count = 0;
+};
+
+template <typename T>
+struct BatchView {
+  PointsView<T> position, velocity, workspace, initial, unsafe, safe, doomed;
+};
+
+// A network's layers and what is made of their output.
+struct NetworkShape {
+  std::vector<LayerShape> layers;
+  Head head = Head::plain;
+  double quadratic = 0.0;
+};
+
+// The terms of a step's loss, each with its weight applied, except mse.
+struct LossSums {
+  double mse = 0.0;
+  double lyapunov = 0.0;
+  double separation = 0.0;
+  double band = 0.0;
+  double labels = 0.0;
+};
+
+// The loss of LossOptions and its gradients in closed form, in one pass over the batch: every tile of samples goes
+// forward through the networks it concerns, its loss is differentiated, and it goes back, all in cache. Tiles are
+// shared out over a fixed number of chunks, whose gradients are summed in order, so that the result does not depend
+// on the number of threads. f may be anchored or plain, V squared_norm or plain, B plain.
+template <typename T>
+class JointSweep {
+ public:
+  JointSweep(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B, const LossOptions& options);
+  ~JointSweep();
+  JointSweep(const JointSweep&) = delete;
+  JointSweep& operator=(const JointSweep&) = delete;
+
+  // Writes the gradients of the total loss, mse weighted, in the flat parameters of f, V and B.
+  LossSums run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch, T* gradient_f,
+               T* gradient_V, T* gradient_B);
+
+ private:
+  struct Chunk;
+  struct Work;
+
+  void share_out(const BatchView<T>& batch);
+  void take_origins();
+  void run_demonstrations(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
+  void run_workspace(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
+  void run_region(Chunk& chunk, const Work& work) const;
+  void run_origins();
+
+  NetworkShape shape_f_, shape_V_;
+  LossOptions options_;
+  std::ptrdiff_t dimension_;
+  FusedNetwork<T> f_, V_, B_;
+  std::vector<T> origin_, f_at_origin_, V_at_origin_;
+  std::vector<std::unique_ptr<Chunk>> chunks_;
+};
+
+}  // namespace s2nnds
