@@ -1,7 +1,7 @@
 # Every dependency of the library, where it is found, and the least version. Debian 12 packages all of them:
 # third_party/install.sh installs them.
 find_package(Threads REQUIRED)
-find_package(OpenMP 4.5 REQUIRED COMPONENTS CXX)
+find_package(TBB 2021 REQUIRED)                               # loops shared among threads
 find_package(Torch 1.13 REQUIRED)                             # networks, autograd, TorchScript
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)                   # plain matrices
 find_package(Boost 1.74 REQUIRED)                             # Math (incomplete beta), Odeint, Multiprecision (tests)

@@ -6,6 +6,7 @@ set -euo pipefail
 packages=(
   build-essential cmake ninja-build pkg-config
   libtorch-dev                 # networks, autograd, TorchScript
+  libtbb-dev                   # loops shared among threads
   libeigen3-dev libboost-dev   # matrices; Math, Odeint, Multiprecision, autodiff (headers only)
   libhdf5-dev hdf5-tools       # run files
   libspdlog-dev libfmt-dev     # the programs' log and all messages

@@ -1,7 +1,6 @@
 #include "commands.h"
 
 #include <fmt/core.h>
-#include <omp.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,6 +10,7 @@
 
 #include "progress.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/torchscript.h"
 #include "s2nnds/runs/pipeline.h"
@@ -21,10 +21,6 @@ namespace s2nnds::program {
 namespace {
 
 namespace fs = std::filesystem;
-
-void use_threads(const CommonArguments& common) {
-  if (common.threads > 0) omp_set_num_threads(common.threads);
-}
 
 void report(const RunRecord& record, const std::string& path, const CommonArguments& common) {
   print_summary(record, path);
@@ -96,7 +92,7 @@ void verify_and_evaluate(const Setup& setup, RunRecord& record) {
 }  // namespace
 
 int train(const TrainArguments& arguments, const CommonArguments& common) {
-  use_threads(common);
+  use_threads(common.threads);
   const std::string data = data_directory(common.data);
   TrainingStart start =
       arguments.resume.empty() ? start_from_config(arguments, data) : start_from_run(arguments, data);
@@ -115,7 +111,7 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
 }
 
 int verify(const VerifyArguments& arguments, const CommonArguments& common) {
-  use_threads(common);
+  use_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
   const Setup setup = set_up(record, data_directory(common.data));
@@ -135,7 +131,7 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
 }
 
 int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
-  use_threads(common);
+  use_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
   const Setup setup = set_up(record, data_directory(common.data));

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <numeric>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
 #include "s2nnds/evaluation/rollout_events.h"
 #include "s2nnds/networks/evaluator.h"
 
@@ -189,20 +189,12 @@ std::vector<bool> rollout_is_safe(const LayerStack& f, const SafetyProblem& prob
   const Evaluator field(f);
   const Eigen::Index chunks = (starts.rows() + kChunk - 1) / kChunk;
   std::vector<std::vector<bool>> safe(static_cast<std::size_t>(chunks));
-  std::exception_ptr failure;
   // One parallel loop over chunks: within a chunk the batches become too small to share.
-#pragma omp parallel for schedule(dynamic)
-  for (Eigen::Index c = 0; c < chunks; ++c) {
-    try {
-      const Eigen::Index first = c * kChunk;
-      const Points part = starts.middleRows(first, std::min(kChunk, starts.rows() - first));
-      safe[static_cast<std::size_t>(c)] = BatchRollout(field, problem, part, options).run();
-    } catch (...) {
-#pragma omp critical
-      failure = std::current_exception();
-    }
-  }
-  if (failure) std::rethrow_exception(failure);
+  parallel_for(chunks, [&](Eigen::Index c, int) {
+    const Eigen::Index first = c * kChunk;
+    const Points part = starts.middleRows(first, std::min(kChunk, starts.rows() - first));
+    safe[static_cast<std::size_t>(c)] = BatchRollout(field, problem, part, options).run();
+  });
   std::vector<bool> all;
   for (const std::vector<bool>& part : safe) all.insert(all.end(), part.begin(), part.end());
   return all;

@@ -5,6 +5,7 @@
 #include <new>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
 
 namespace s2nnds {
 namespace {
@@ -14,6 +15,7 @@ using std::ptrdiff_t;
 constexpr ptrdiff_t kTileRows = FusedNetwork<float>::tile_rows;
 // Memory of a tile's sweeps, in tiles of the widest layer.
 constexpr ptrdiff_t kForwardScratch = 8, kBackwardScratch = 7;
+constexpr ptrdiff_t kPartsPerThread = 4;  // of a forward sweep
 constexpr ptrdiff_t kGradientChunks = 8;  // partial gradients, summed in order whatever the number of threads
 constexpr ptrdiff_t kLeastParallelWork =
     1000000;  // products; less is done before a second thread has woken up
@@ -150,17 +152,18 @@ void FusedNetwork<T>::forward(ptrdiff_t samples, const T* x, const T* direction,
     recorded = tape->memory.reserve(kTapeQuantities * tape_width_ * samples);
   }
   const ptrdiff_t tiles = (samples + kTileRows - 1) / kTileRows;
-#pragma omp parallel if (tiles > 1 && samples * parameters() > kLeastParallelWork)
-  {
+  const auto run = [&](ptrdiff_t begin, ptrdiff_t end) {
     Buffer<T> scratch;
     scratch.reserve(kForwardScratch * kTileRows * widest_);
-#pragma omp for schedule(static)
-    for (ptrdiff_t t = 0; t < tiles; ++t) {
+    for (ptrdiff_t t = begin; t < end; ++t) {
       const ptrdiff_t first = t * kTileRows, rows = std::min(kTileRows, samples - first);
       forward_tile(rows, x + first * n, direction ? direction + first * n : nullptr, value + first * m,
                    direction ? derivative + first * m : nullptr, scratch.data(), recorded, samples, first);
     }
-  }
+  };
+  if (samples * parameters() < kLeastParallelWork) return run(0, tiles);
+  const ptrdiff_t parts = std::min(tiles, kPartsPerThread * static_cast<ptrdiff_t>(thread_count()));
+  parallel_for(parts, [&](ptrdiff_t part, int) { run(tiles * part / parts, tiles * (part + 1) / parts); });
 }
 
 namespace {
@@ -242,23 +245,23 @@ void FusedNetwork<T>::backward(const T* x, const T* direction, const Tape& tape,
   const ptrdiff_t chunks = std::min(kGradientChunks, tiles);
   Buffer<T> partial;
   partial.reserve(chunks * gradient_size_);
-#pragma omp parallel if (chunks > 1 && samples * parameters() > kLeastParallelWork)
-  {
+  const auto run = [&](ptrdiff_t c, int) {
     Buffer<T> scratch;
     scratch.reserve(kBackwardScratch * kTileRows * widest_);
-#pragma omp for schedule(static)
-    for (ptrdiff_t c = 0; c < chunks; ++c) {
-      T* gradient = partial.data() + c * gradient_size_;
-      std::fill(gradient, gradient + gradient_size_, T(0));
-      for (ptrdiff_t t = tiles * c / chunks; t < tiles * (c + 1) / chunks; ++t) {
-        const ptrdiff_t first = t * kTileRows, rows = std::min(kTileRows, samples - first);
-        backward_tile(rows, x + first * n, tape.tangent ? direction + first * n : nullptr, tape.memory.data(),
-                      samples, first, adjoint_value + first * m,
-                      tape.tangent ? adjoint_derivative + first * m : nullptr, gradient,
-                      tape.tangent && adjoint_direction ? adjoint_direction + first * n : nullptr,
-                      scratch.data());
-      }
+    T* gradient = partial.data() + c * gradient_size_;
+    std::fill(gradient, gradient + gradient_size_, T(0));
+    for (ptrdiff_t t = tiles * c / chunks; t < tiles * (c + 1) / chunks; ++t) {
+      const ptrdiff_t first = t * kTileRows, rows = std::min(kTileRows, samples - first);
+      backward_tile(rows, x + first * n, tape.tangent ? direction + first * n : nullptr, tape.memory.data(),
+                    samples, first, adjoint_value + first * m,
+                    tape.tangent ? adjoint_derivative + first * m : nullptr, gradient,
+                    tape.tangent && adjoint_direction ? adjoint_direction + first * n : nullptr, scratch.data());
     }
+  };
+  if (samples * parameters() < kLeastParallelWork) {
+    for (ptrdiff_t c = 0; c < chunks; ++c) run(c, 0);
+  } else {
+    parallel_for(chunks, run);
   }
   T* total = partial.data();
   for (ptrdiff_t c = 1; c < chunks; ++c) {

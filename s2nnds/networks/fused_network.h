@@ -44,7 +44,7 @@ class Buffer {
 // tile by tile so that activations stay in cache. With z = W a + b, a' = sigma(z), dz = W da, da' = sigma'(z)
 // dz, and A, T the adjoints of a', da':
 //   adj dz = T sigma'(z),  adj z = A sigma'(z) + T dz sigma''(z),  dW += adj_z a^T + adj_dz da^T.
-// Rows are samples. Work is shared over OpenMP threads in fixed chunks, whose gradients are summed in order:
+// Rows are samples. Work is shared over threads in fixed chunks, whose gradients are summed in order:
 // results do not depend on the number of threads.
 template <typename T>
 class FusedNetwork {

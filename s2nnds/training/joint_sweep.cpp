@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
 
 namespace s2nnds {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 using std::ptrdiff_t;
 
 constexpr ptrdiff_t kChunks = 4;  // the most threads that can share a step
-constexpr ptrdiff_t kLeastParallelWork = 1000000;  // products; less is done before a second thread has woken up
+constexpr double kLeastParallelWork = 1e6;  // products; less is done before a second thread has woken up
 
 // relu(z) or, with a leak, the paper's leaky ReLU, and its derivative.
 struct Penalty {
@@ -293,14 +294,18 @@ LossSums JointSweep<T>::run(const T* theta_f, const T* theta_V, const T* theta_B
   share_out(batch);
   double cost = 0.0;
   for (const auto& chunk : chunks_) cost += chunk->cost;
-#pragma omp parallel for schedule(static) if (cost > kLeastParallelWork)
-  for (ptrdiff_t c = 0; c < kChunks; ++c) {
+  const auto run_chunk = [&](ptrdiff_t c, int) {
     Chunk& chunk = *chunks_[c];
     for (const Work& work : chunk.work) {
       if (work.kind == Work::Kind::demonstrations) run_demonstrations(chunk, work, batch);
       if (work.kind == Work::Kind::workspace) run_workspace(chunk, work, batch);
       if (work.kind == Work::Kind::region) run_region(chunk, work);
     }
+  };
+  if (cost < kLeastParallelWork) {
+    for (ptrdiff_t c = 0; c < kChunks; ++c) run_chunk(c, 0);
+  } else {
+    parallel_for(kChunks, run_chunk);
   }
   run_origins();
 

@@ -1,14 +1,13 @@
 #include "s2nnds/verification/branch_and_bound.h"
 
-#include <omp.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <exception>
 #include <numeric>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
 
 namespace s2nnds {
 namespace {
@@ -86,26 +85,15 @@ std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& ex
   const Eigen::Index count = level.lower.rows(), batches = (count + batch_boxes - 1) / batch_boxes;
   std::atomic<std::int64_t> examined = 0;
   std::atomic<bool> stop = false;
-  std::exception_ptr error;
-  const int threads =
-      static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(batches), examiners.size()));
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-  for (Eigen::Index b = 0; b < batches; ++b) {
-    if (stop) continue;
+  parallel_for(batches, [&](Eigen::Index b, int worker) {
+    if (stop) return;
     const Eigen::Index first = b * batch_boxes;
     BoxBatch batch = {level.lower,  level.upper,   first,          std::min(batch_boxes, count - first),
                       level.status, level.witness, level.violation};
-    try {
-      examiners[static_cast<std::size_t>(omp_get_thread_num())]->examine(batch);
-      examined += batch.count;
-    } catch (...) {
-#pragma omp critical
-      error = std::current_exception();
-      stop = true;
-    }
+    examiners.at(static_cast<std::size_t>(worker))->examine(batch);
+    examined += batch.count;
     if (seconds_since(start) > seconds_left) stop = true;
-  }
-  if (error) std::rethrow_exception(error);
+  });
   return examined;
 }
 
@@ -136,9 +124,8 @@ BranchResult branch_and_bound(Points lower, Points upper,
       lower.rows() == upper.rows() && lower.cols() == upper.cols() && lower.allFinite() && upper.allFinite(),
       "branch and bound: expected finite boxes with as many lower as upper corners");
   const Clock::time_point start = Clock::now();
-  const int threads = limits.threads > 0 ? limits.threads : omp_get_max_threads();
   std::vector<std::unique_ptr<BoxExaminer>> examiners;
-  for (int t = 0; t < threads; ++t) examiners.push_back(examiner());
+  for (int t = 0; t < thread_count(); ++t) examiners.push_back(examiner());
 
   BranchResult result;
   result.open_lower.resize(0, lower.cols());

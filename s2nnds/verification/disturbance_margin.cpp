@@ -162,7 +162,6 @@ class Search {
       : functions_(functions), problem_(problem), options_(options) {
     limits_.max_boxes = options.max_boxes;
     limits_.kept_boxes = 0;
-    limits_.threads = static_cast<int>(options.threads);
   }
 
   // Whether the barrier withstands the disturbance; `weakest` as in BarrierExaminer.
@@ -239,7 +238,6 @@ void DisturbanceOptions::visit(FieldVisitor& v) {
   v.field("resolution", resolution, inside(0.0, 1.0));
   v.field("radius_resolution", radius_resolution, inside(0.0, 1.0));
   v.field("max_seconds", max_seconds, above(0.0));
-  v.field("threads", threads, between(0, 4096));
 }
 
 DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem,

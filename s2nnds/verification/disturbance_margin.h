@@ -14,7 +14,6 @@ struct DisturbanceOptions {
   double resolution = 1e-4;          // boxes this small, relative to the workspace, are given up
   double radius_resolution = 0.004;  // the same for the ball around the goal
   double max_seconds = 60.0;
-  std::int64_t threads = 0;  // 0: as many as OpenMP likes
 
   void visit(FieldVisitor& v);
 };

@@ -308,7 +308,6 @@ void ProofOptions::visit(FieldVisitor& v) {
   v.field("max_refuted", max_refuted, at_least(1));
   v.field("kept_boxes", kept_boxes, at_least(0));
   v.field("max_seconds", max_seconds, above(0.0));
-  v.field("threads", threads, between(0, 4096));
   v.field("goal_radius", goal_radius, above(0.0));
 }
 
@@ -371,7 +370,6 @@ ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem,
       limits.max_refuted = options.max_refuted;
       limits.kept_boxes = options.kept_boxes;
       limits.max_seconds = options.max_seconds - seconds(start);
-      limits.threads = static_cast<int>(options.threads);
       proof = prove_condition(statement, limits, progress);
     }
     proof.verdict.condition = to_string(condition);

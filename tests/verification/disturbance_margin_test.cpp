@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "s2nnds/core/parallel.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/verification/polynomial_function.h"
 #include "tests/verification/exact_network.h"
@@ -65,9 +66,9 @@ TEST(DisturbanceMargin, NothingIsCertifiedWhereTheBarrierFails) {
 
 TEST(DisturbanceMargin, DoesNotDependOnTheNumberOfThreads) {
   DisturbanceOptions options;
-  options.threads = 1;
+  use_threads(1);
   const DisturbanceMargin one = disturbance_margin(contracting(0.7), plain_problem(), options);
-  options.threads = 2;
+  use_threads(2);
   const DisturbanceMargin two = disturbance_margin(contracting(0.7), plain_problem(), options);
   EXPECT_EQ(one.margin, two.margin);
 }

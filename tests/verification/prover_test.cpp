@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "s2nnds/core/parallel.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/verification/goal_neighbourhood.h"
 #include "s2nnds/verification/network_function.h"
@@ -269,9 +270,9 @@ TEST(Prover, DoesNotDependOnTheNumberOfThreads) {
     ProofOptions options = ProofOptions::fail_fast();
     options.max_boxes = 30000;
     options.max_seconds = 1e6;
-    options.threads = 1;
+    use_threads(1);
     const ProofResult one = prove(networks, simple_problem(), 0.02, options);
-    options.threads = 2;
+    use_threads(2);
     const ProofResult two = prove(networks, simple_problem(), 0.02, options);
     EXPECT_EQ(one.boxes, two.boxes);
     for (Condition condition : all_conditions) {
