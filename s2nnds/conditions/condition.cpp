@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
+#include "s2nnds/networks/evaluator.h"
 
 namespace s2nnds {
 namespace {
@@ -44,16 +46,26 @@ struct Ingredients {
   Vector lyapunov, lyapunov_derivative, barrier, barrier_derivative;  // V, Vdot, B, Bdot: each [N], or empty
 };
 
+constexpr Eigen::Index kRowsTogether = 1024;  // so that what passes from network to network stays in cache
+
+template <typename T>
 Ingredients evaluate_all(const Networks& networks, const Points& x) {
-  const Points velocity = networks.f.value(x);
-  Points value, derivative;
+  const BasicEvaluator<T> f(networks.f), V(networks.V), B(networks.B);
   Ingredients found;
-  networks.V.value_and_derivative(x, velocity, value, derivative);
-  found.lyapunov = value.col(0);
-  found.lyapunov_derivative = derivative.col(0);
-  networks.B.value_and_derivative(x, velocity, value, derivative);
-  found.barrier = value.col(0);
-  found.barrier_derivative = derivative.col(0);
+  for (Vector* column :
+       {&found.lyapunov, &found.lyapunov_derivative, &found.barrier, &found.barrier_derivative})
+    column->resize(x.rows());
+  parallel_for((x.rows() + kRowsTogether - 1) / kRowsTogether, [&](Eigen::Index part, int) {
+    const Eigen::Index first = part * kRowsTogether, rows = std::min(kRowsTogether, x.rows() - first);
+    const Points at = x.middleRows(first, rows), velocity = f.value(at);
+    Points value, derivative;
+    V.value_and_derivative(at, velocity, value, derivative);
+    found.lyapunov.segment(first, rows) = value.col(0);
+    found.lyapunov_derivative.segment(first, rows) = derivative.col(0);
+    B.value_and_derivative(at, velocity, value, derivative);
+    found.barrier.segment(first, rows) = value.col(0);
+    found.barrier_derivative.segment(first, rows) = derivative.col(0);
+  });
   return found;
 }
 
@@ -139,9 +151,11 @@ std::string_view to_string(Condition condition) {
 
 bool allows_zero(Condition condition) { return condition == Condition::initial; }
 
-Points residuals(const Networks& networks, const SafetyProblem& problem, double band, const Points& x) {
+Points residuals(const Networks& networks, const SafetyProblem& problem, double band, const Points& x,
+                 Precision precision) {
   check_points(problem, band, x);
-  const Ingredients at = evaluate_all(networks, x);
+  const Ingredients at = precision == Precision::single_ ? evaluate_all<float>(networks, x)
+                                                         : evaluate_all<double>(networks, x);
   const Mask inside = within(problem.workspace, x);
   Points all(x.rows(), condition_count);
   for (std::size_t i = 0; i < all_conditions.size(); ++i) {

@@ -19,7 +19,7 @@ constexpr Eigen::Index kChunk = 512;  // starts that advance together
 // rest stays packed for the network.
 class BatchRollout {
  public:
-  BatchRollout(const Evaluator& field, const SafetyProblem& problem, const Points& starts,
+  BatchRollout(const BasicEvaluator<float>& field, const SafetyProblem& problem, const Points& starts,
                const BatchRolloutOptions& options)
       : field_(field),
         events_(problem, options.goal_radius, true, true),
@@ -164,7 +164,7 @@ class BatchRollout {
     step_.conservativeResize(left);
   }
 
-  const Evaluator& field_;
+  const BasicEvaluator<float>& field_;
   RolloutEvents events_;
   BatchRolloutOptions options_;
   std::vector<bool> safe_;                // [starts]
@@ -186,7 +186,7 @@ std::vector<bool> rollout_is_safe(const LayerStack& f, const SafetyProblem& prob
       options.step > 0.0 && options.tolerance > 0.0 && options.duration > 0.0 && options.goal_radius > 0.0,
       "rollout_is_safe: found step = {}, tolerance = {}, duration = {}, goal_radius = {}, expected each > 0",
       options.step, options.tolerance, options.duration, options.goal_radius);
-  const Evaluator field(f);
+  const BasicEvaluator<float> field(f);  // its rounding is far below the tolerance of a step
   const Eigen::Index chunks = (starts.rows() + kChunk - 1) / kChunk;
   std::vector<std::vector<bool>> safe(static_cast<std::size_t>(chunks));
   // One parallel loop over chunks: within a chunk the batches become too small to share.

@@ -5,10 +5,12 @@
 
 namespace s2nnds {
 
-// A LayerStack made ready for many evaluations in double precision: weights packed once, N(0) computed once.
-class Evaluator {
+// A LayerStack made ready for many evaluations: weights packed once, N(0) computed once. T is the precision of the
+// arithmetic: double for what is verified, float where a search or a hint for training is all that is wanted.
+template <typename T>
+class BasicEvaluator {
  public:
-  explicit Evaluator(const LayerStack& stack);  // throws Error if the stack is not consistent
+  explicit BasicEvaluator(const LayerStack& stack);  // throws Error if the stack is not consistent
 
   Eigen::Index input_dimension() const { return network_.inputs(); }
   Eigen::Index output_dimension() const { return head_ == Head::squared_norm ? 1 : network_.outputs(); }
@@ -19,10 +21,13 @@ class Evaluator {
                             Points& derivative) const;
 
  private:
-  FusedNetwork<double> network_;
+  using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  FusedNetwork<T> network_;
   Head head_;
   double quadratic_;
-  Eigen::RowVectorXd at_origin_;  // N(0), for anchored and squared_norm
+  Matrix at_origin_;  // [1, outputs]: N(0), for anchored and squared_norm
 };
+using Evaluator = BasicEvaluator<double>;
 
 }  // namespace s2nnds
