@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "s2nnds/core/check.h"
@@ -28,6 +29,10 @@ BatchTensors tensors(const Batch& batch) {
 // AdamW without decay is Adam; each round starts afresh, so that a checkpoint needs no optimiser state.
 torch::optim::AdamW adam(const torch::nn::Module& network, double rate) {
   return torch::optim::AdamW(network.parameters(), torch::optim::AdamWOptions(rate).weight_decay(0.0));
+}
+
+void set_rate(torch::optim::AdamW& optimizer, double rate) {
+  static_cast<torch::optim::AdamWOptions&>(optimizer.param_groups()[0].options()).lr(rate);
 }
 
 }  // namespace
@@ -145,6 +150,9 @@ class Trainer::Impl {
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     for (std::int64_t step = 0; step < options_.steps; ++step) {
       if (step % options_.batch.band_refresh == 0) seek_band(candidates);
+      const double rate = factor * annealed(step);
+      const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
+      for (std::size_t k = 0; k < std::size(optimizers); ++k) set_rate(optimizers[k], rate * rates[k]);
       const LossTerms terms = loss(tensors(sampler_.draw(random)));
       for (auto& optimizer : optimizers) optimizer.zero_grad();
       terms.total.backward();
@@ -161,6 +169,13 @@ class Trainer::Impl {
       row.labels += share * terms.labels.item<double>();
     }
     return row;
+  }
+
+  // The share of the round's rate at a step: half a cosine from 1 down to rate_end.
+  double annealed(std::int64_t step) const {
+    const double progress = static_cast<double>(step) / static_cast<double>(options_.steps);
+    const double fall = 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
+    return options_.rate_end + (1.0 - options_.rate_end) * fall;
   }
 
   // Rollout labels of fresh points under the f that the round starts with.

@@ -55,6 +55,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("rate_f", rate_f, above(0.0));
   v.field("rate_certificates", rate_certificates, above(0.0));
   v.field("rate_decay", rate_decay, {.low = 0.0, .high = 1.0, .open_low = true});
+  v.field("rate_end", rate_end, between(0.0, 1.0));
   v.field("rate_floor", rate_floor, between(0.0, 1.0));
   v.field("rate_period", rate_period, at_least(1));
   v.field("clip", clip, above(0.0));

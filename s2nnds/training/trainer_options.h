@@ -78,6 +78,8 @@ struct TrainerOptions {
   double rate_certificates = 3e-3;  // V and B
   double rate_decay = 0.9;          // a round
   double rate_floor = 0.05;         // least factor of the rates
+  double rate_end = 0.05;           // within a round the rates fall to this share (cosine): what noise of the steps
+                                    // leaves behind looks like violations that no training removes
   std::int64_t rate_period =
       16;             // rounds after which the decay starts anew: small rates do not leave a bad shape
   double clip = 1.0;  // norm of each network's gradient

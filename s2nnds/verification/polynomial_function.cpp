@@ -229,13 +229,20 @@ Interval PolynomialFunction::on_cube(const Partial& partial, double half) {
   return sum;
 }
 
+// Exactly: no monomial but the constant one has a value at 0.
+bool PolynomialFunction::vanishes_at_goal(const Partial& partial) {
+  for (Eigen::Index k = 0; k < partial.coefficients.size(); ++k) {
+    if (partial.coefficients(k) != 0.0 && (partial.exponents.row(k).array() == 0).all()) return false;
+  }
+  return true;
+}
+
 // Along the ray from 0 to x: p(x) = (integral of grad p) . x, which lies in the hull of grad p over the cube.
 std::optional<IntervalMatrix> PolynomialFunction::goal_factor(double half) const {
   IntervalMatrix factor(output_dimension(), dimension_);
   for (Eigen::Index i = 0; i < output_dimension(); ++i) {
     const Partials& partials = outputs_[static_cast<std::size_t>(i)];
-    const Interval constant = on_cube(partials[0][0], 0.0);
-    if (!(constant.lower == 0.0 && constant.upper == 0.0)) return std::nullopt;
+    if (!vanishes_at_goal(partials[0][0])) return std::nullopt;
     for (const Partial& partial : partials[1]) factor(i, partial.axes[0]) = on_cube(partial, half);
   }
   return factor;
@@ -245,8 +252,7 @@ std::optional<IntervalMatrix> PolynomialFunction::goal_gradient_factor(double ha
   const Partials& partials = outputs_.front();
   for (int order : {0, 1}) {
     for (const Partial& partial : partials[static_cast<std::size_t>(order)]) {
-      const Interval at_goal = on_cube(partial, 0.0);
-      if (!(at_goal.lower == 0.0 && at_goal.upper == 0.0)) return std::nullopt;
+      if (!vanishes_at_goal(partial)) return std::nullopt;
     }
   }
   IntervalMatrix factor(dimension_, dimension_);

@@ -42,6 +42,7 @@ class PolynomialFunction final : public TaylorFunction {
   void expand(const Partials& partials, const BoxTile& tile, Memory& memory, TileForm& form) const;
   // Encloses a partial derivative on the cube |x|_inf <= half.
   static Interval on_cube(const Partial& partial, double half);
+  static bool vanishes_at_goal(const Partial& partial);
 
   Eigen::Index dimension_ = 0;
   int degree_ = 0;
