@@ -12,6 +12,7 @@
 #include "progress.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/readers.h"
+#include "s2nnds/deployment/cpp_header.h"
 #include "s2nnds/deployment/torchscript.h"
 #include "s2nnds/runs/pipeline.h"
 
@@ -80,9 +81,27 @@ TrainingStart start_from_run(const TrainArguments& arguments, const std::string&
   start.path = arguments.out.empty() ? arguments.resume : arguments.out;
   check_writable(start.path);
   start.record = load_run(arguments.resume);
-  check(start.record.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from", arguments.resume);
+  check(start.record.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from",
+        arguments.resume);
   start.setup = set_up(start.record, data);
   return start;
+}
+
+PolicyInfo policy_info(const RunRecord& record) {
+  PolicyInfo info;
+  info.name = record.name;
+  info.position_scale = record.data.normalization.position_scale;
+  info.velocity_scale = record.data.normalization.velocity_scale;
+  info.unit = record.data.unit;
+  info.guarantee = record.certificate.guarantee;
+  info.statement = record.certificate.statement;
+  info.workspace_lower = record.problem.workspace.lower;
+  info.workspace_upper = record.problem.workspace.upper;
+  info.disturbance_margin = record.certificate.disturbance_margin;
+  info.float32_error = record.certificate.float32_error > 0.0
+                           ? record.certificate.float32_error
+                           : float32_error(record.networks.f, record.problem.workspace);
+  return info;
 }
 
 void verify_and_evaluate(const Setup& setup, RunRecord& record) {
@@ -147,22 +166,20 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
 
 int export_policy(const ExportArguments& arguments, const CommonArguments& common) {
   const RunRecord record = load_run(arguments.run);
-  const std::string path = arguments.out.empty() ? sibling(arguments.run, ".pt") : arguments.out;
+  const bool header = arguments.format == "cpp";
+  const std::string path =
+      arguments.out.empty() ? sibling(arguments.run, header ? ".h" : ".pt") : arguments.out;
   check_writable(path);
   check(record.certificate.weight_hash.empty() ||
             record.certificate.weight_hash == weight_hash(record.networks),
         "{}: the certificate speaks of other weights than the file holds", arguments.run);
-  PolicyInfo info;
-  info.name = record.name;
-  info.position_scale = record.data.normalization.position_scale;
-  info.velocity_scale = record.data.normalization.velocity_scale;
-  info.unit = record.data.unit;
-  info.guarantee = record.certificate.guarantee;
-  info.statement = record.certificate.statement;
-  info.workspace_lower = record.problem.workspace.lower;
-  info.workspace_upper = record.problem.workspace.upper;
-  export_torchscript(record.networks, info, path);
-  fmt::print("{}: TorchScript policy, guarantee {}\n", path, info.guarantee);
+  const PolicyInfo info = policy_info(record);
+  if (header) {
+    export_cpp_header(record.networks, info, header_precision_from(arguments.precision), path);
+  } else {
+    export_torchscript(record.networks, info, path);
+  }
+  fmt::print("{}: {} policy, guarantee {}\n", path, header ? "C++" : "TorchScript", info.guarantee);
   if (common.json) fmt::print("{}\n", summary_json(record, arguments.run));
   return kVerified;
 }
