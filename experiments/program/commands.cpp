@@ -1,7 +1,6 @@
 #include "commands.h"
 
 #include <fmt/core.h>
-#include <omp.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,6 +14,7 @@
 #include "s2nnds/deployment/cpp_header.h"
 #include "s2nnds/deployment/torchscript.h"
 #include "s2nnds/runs/pipeline.h"
+#include "s2nnds/runs/threads.h"
 
 extern char** environ;
 
@@ -22,10 +22,6 @@ namespace s2nnds::program {
 namespace {
 
 namespace fs = std::filesystem;
-
-void use_threads(const CommonArguments& common) {
-  if (common.threads > 0) omp_set_num_threads(common.threads);
-}
 
 void report(const RunRecord& record, const std::string& path, const CommonArguments& common) {
   print_summary(record, path);
@@ -115,7 +111,7 @@ void verify_and_evaluate(const Setup& setup, RunRecord& record) {
 }  // namespace
 
 int train(const TrainArguments& arguments, const CommonArguments& common) {
-  use_threads(common);
+  set_threads(common.threads);
   const std::string data = data_directory(common.data);
   TrainingStart start =
       arguments.resume.empty() ? start_from_config(arguments, data) : start_from_run(arguments, data);
@@ -134,7 +130,7 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
 }
 
 int verify(const VerifyArguments& arguments, const CommonArguments& common) {
-  use_threads(common);
+  set_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
   const Setup setup = set_up(record, data_directory(common.data));
@@ -154,7 +150,7 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
 }
 
 int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
-  use_threads(common);
+  set_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
   const Setup setup = set_up(record, data_directory(common.data));
@@ -165,6 +161,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
 }
 
 int export_policy(const ExportArguments& arguments, const CommonArguments& common) {
+  set_threads(common.threads);
   const RunRecord record = load_run(arguments.run);
   const bool header = arguments.format == "cpp";
   const std::string path =
@@ -203,6 +200,7 @@ int plot(const PlotArguments& arguments) {
 }
 
 int info(const std::string& run, const CommonArguments& common) {
+  set_threads(common.threads);
   const RunRecord record = load_run(run);
   fmt::print("{}: schema {}, written by version {} ({}), {}\n", run, run_schema_version,
              record.program_version, record.library_versions, record.created);
@@ -217,6 +215,9 @@ int info(const std::string& run, const CommonArguments& common) {
     fmt::print("  rounds {}, training {}\n", record.checkpoint->round,
                record.checkpoint->finished ? "finished" : "not finished (train --resume goes on)");
   }
+  const ThreadCounts threads = thread_counts();
+  fmt::print("  threads here: OpenMP {}, ATen {}, BLAS {}\n", threads.openmp, threads.aten,
+             threads.blas ? std::to_string(*threads.blas) : "without its own");
   print_summary(record, run);
   if (common.json) fmt::print("{}\n", summary_json(record, run));
   return kVerified;

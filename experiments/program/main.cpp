@@ -23,7 +23,8 @@ int run(int argc, char** argv) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->add_option("--data", common.data,
                     "folder of the data files (else $S2NNDS_DATA, else ../shared/data)");
-    sub->add_option("--threads", common.threads, "threads to use; 0: all cores")
+    sub->add_option("--threads", common.threads,
+                    "threads of everything that computes; 0: as OMP_NUM_THREADS says, else all cores")
         ->check(CLI::NonNegativeNumber);
     sub->add_flag("--json", common.json, "print one JSON object as the last line");
     return sub;
