@@ -21,10 +21,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kWarnings = "-std=c++17 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Werror";
+constexpr const char* kWarnings =
+    "-std=c++17 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Werror";
 constexpr const char* kFast = "-O3 -march=native";
 
-LayerStack random_stack(const std::vector<int>& sizes, Activation activation, bool bias, RandomStream& random) {
+LayerStack random_stack(const std::vector<int>& sizes, Activation activation, bool bias,
+                        RandomStream& random) {
   LayerStack stack;
   for (std::size_t l = 0; l + 1 < sizes.size(); ++l) {
     const auto draw = [&] { return random.normal() / std::sqrt(sizes[l]); };
@@ -81,8 +83,9 @@ class CppHeader : public testing::Test {
 
   // Whether the compiler takes `source` with the flags; its complaint is in errors().
   bool compile(const std::string& source, const std::string& flags) const {
-    const std::string command = fmt::format("{} {} {} -I{} {} -o {} 2> {}", S2NNDS_CXX_COMPILER, kWarnings, flags,
-                                            folder_.string(), source, path("driver"), path("errors.txt"));
+    const std::string command =
+        fmt::format("{} {} {} -I{} {} -o {} 2> {}", S2NNDS_CXX_COMPILER, kWarnings, flags, folder_.string(),
+                    source, path("driver"), path("errors.txt"));
     return std::system(command.c_str()) == 0;
   }
   std::string errors() const {
@@ -93,13 +96,15 @@ class CppHeader : public testing::Test {
 
   // The exported header's answers at x [N, n] in the data's unit.
   Answers ask(const Points& x, const std::string& flags) const {
-    const std::string macros = fmt::format("'-DPOLICY_HEADER=\"policy.h\"' -DPOLICY_NAMESPACE=policy_policy {}", flags);
+    const std::string macros =
+        fmt::format("'-DPOLICY_HEADER=\"policy.h\"' -DPOLICY_NAMESPACE=policy_policy {}", flags);
     if (!compile(S2NNDS_SOURCE_DIR "/tests/deployment/header_driver.cpp", macros)) fail("{}", errors());
     {
       std::ofstream points(path("points.txt"));
       for (Eigen::Index i = 0; i < x.size(); ++i) points << fmt::format("{:.17g}\n", x.data()[i]);
     }
-    const std::string run = fmt::format("{} < {} > {}", path("driver"), path("points.txt"), path("results.txt"));
+    const std::string run =
+        fmt::format("{} < {} > {}", path("driver"), path("points.txt"), path("results.txt"));
     check(std::system(run.c_str()) == 0, "the driver failed");
     return read_answers(x.rows(), x.cols());
   }
@@ -122,15 +127,18 @@ class CppHeader : public testing::Test {
     return found;
   }
 
-  // Velocities within `allowed` (normalised) of the double networks, V and B within rounding, safe where B <= 0.
-  void expect_same(const Networks& networks, HeaderPrecision precision, double allowed, const std::string& flags) {
+  // Velocities within `allowed` (normalised) of the double networks, V and B within rounding, safe where B <=
+  // 0.
+  void expect_same(const Networks& networks, HeaderPrecision precision, double allowed,
+                   const std::string& flags) {
     const Eigen::Index n = networks.f.input_dimension();
     export_cpp_header(networks, info(static_cast<int>(n)), precision, path("policy.h"));
     const Points z = Points::NullaryExpr(300, n, [&] { return random_.uniform(-1.25, 1.5); });
     const Answers found = ask(40.0 * z, flags);
     EXPECT_LE((found.velocity / 25.0 - networks.f.value(z)).rowwise().norm().maxCoeff(), allowed) << flags;
     const Vector lyapunov = networks.V.value(z).col(0), barrier = networks.B.value(z).col(0);
-    EXPECT_LE((found.lyapunov - lyapunov).cwiseAbs().maxCoeff(), 1e-12 * lyapunov.cwiseAbs().maxCoeff()) << flags;
+    EXPECT_LE((found.lyapunov - lyapunov).cwiseAbs().maxCoeff(), 1e-12 * lyapunov.cwiseAbs().maxCoeff())
+        << flags;
     EXPECT_LE((found.barrier - barrier).cwiseAbs().maxCoeff(), 1e-12) << flags;
     for (Eigen::Index i = 0; i < z.rows(); ++i) EXPECT_EQ(found.safe[i] == 1.0, barrier[i] <= 0.0);
     EXPECT_EQ(found.allocations, 0) << flags;
@@ -155,8 +163,8 @@ TEST_P(CppHeaderOf, EvaluatesTheSameNetworksWithoutAllocating) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CppHeaderOf,
-                         testing::Values(Activation::identity, Activation::tanh, Activation::elu, Activation::softplus,
-                                         Activation::silu, Activation::sine),
+                         testing::Values(Activation::identity, Activation::tanh, Activation::elu,
+                                         Activation::softplus, Activation::silu, Activation::sine),
                          [](const auto& each) { return std::string(to_string(each.param)); });
 
 TEST_F(CppHeader, FloatStaysWithinTheCertificatesBoundNearlyTightly) {
@@ -192,8 +200,10 @@ TEST_F(CppHeader, TheGoalIsAnEquilibriumExactly) {
 }
 
 TEST_F(CppHeader, NanStaysNanAndFarPointsStayFinite) {
-  for (const Activation activation : {Activation::tanh, Activation::elu, Activation::softplus, Activation::silu}) {
-    export_cpp_header(random_networks(2, activation, random_), info(2), HeaderPrecision::float32, path("policy.h"));
+  for (const Activation activation :
+       {Activation::tanh, Activation::elu, Activation::softplus, Activation::silu}) {
+    export_cpp_header(random_networks(2, activation, random_), info(2), HeaderPrecision::float32,
+                      path("policy.h"));
     const Answers found = ask(Points{{NAN, 0.0}, {0.0, NAN}, {1e9, -1e9}, {-1e9, 1e3}}, kFast);
     for (int i : {0, 1}) {
       EXPECT_TRUE(found.velocity.row(i).array().isNaN().all()) << to_string(activation);

@@ -1,6 +1,6 @@
-// Compiled by cpp_header_test with POLICY_HEADER and POLICY_NAMESPACE set: reads points [dimension] from stdin, writes
-// velocity, lyapunov, barrier and safe of each to stdout as hexadecimal numbers, and last how often memory was allocated
-// while they were computed.
+// Compiled by cpp_header_test with POLICY_HEADER and POLICY_NAMESPACE set: reads points [dimension] from
+// stdin, writes velocity, lyapunov, barrier and safe of each to stdout as hexadecimal numbers, and last how
+// often memory was allocated while they were computed.
 #include <cstdio>
 #include <cstdlib>
 #include <new>
@@ -23,7 +23,7 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 int main() {
   namespace policy = POLICY_NAMESPACE;
   constexpr int n = policy::dimension;
-  static_assert(noexcept(policy::velocity(nullptr, nullptr)) && noexcept(policy::safe(nullptr)));
+  static_assert(noexcept(policy::velocity(nullptr, nullptr))&& noexcept(policy::safe(nullptr)));
   std::vector<double> points;
   for (double value = 0.0; std::scanf("%lf", &value) == 1;) points.push_back(value);
   std::vector<double> results(points.size() / n * (n + 3));
