@@ -13,7 +13,7 @@ PYTHON = "/usr/bin/python3"  # Debian's, which has torch
 
 
 def run_json(*command, threads=None):
-    """The JSON object that a program prints last. Waiting threads sleep, so that no side slows the next one down."""
+    """The JSON object that a program prints last."""
     environment = dict(os.environ)
     if threads is not None:
         environment["OMP_NUM_THREADS"] = str(threads)
@@ -40,7 +40,7 @@ def fastest(results, key):
 
 
 def measure(arguments, programs):
-    counts = sorted({1, min(2, os.cpu_count() or 1)})
+    counts = arguments.threads or sorted({1, min(2, os.cpu_count() or 1)})
     peer, ours, rates = ({n: [] for n in counts} for _ in range(3))
     latency = []
     for k in range(arguments.rounds):
@@ -67,7 +67,7 @@ def summarise(peer, ours, rates, latency):
         result[f"{work}_peer_ms"] = 1e3 * peer_seconds
         result[f"{work}_threads"] = our_threads
         result[f"{work}_peer_threads"] = peer_threads
-    threads = result["step_threads"]
+    threads = result["step_threads"]  # whose rates are told
     for kind in ("sgemm", "dgemm"):
         result[f"{kind}_gflops"] = medians(rates, f"{kind}_gflops")[threads]
         result[f"{kind}_gflops_by_threads"] = medians(rates, f"{kind}_gflops")
@@ -113,6 +113,7 @@ def main():
     parser.add_argument("root")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--steps", type=int, default=200)
+    parser.add_argument("--threads", type=int, nargs="+")
     parser.add_argument("--peer")
     parser.add_argument("--out")
     parser.add_argument("--baseline", action="store_true")
