@@ -23,3 +23,6 @@ if(NOT TARGET s2nnds_matio)
   target_include_directories(s2nnds_matio INTERFACE ${MATIO_INCLUDE_DIR})
   target_link_libraries(s2nnds_matio INTERFACE ${MATIO_LIBRARY})
 endif()
+if(S2NNDS_BUILD_BENCHMARKS)
+  find_package(benchmark 1.7 QUIET)                           # tests/benchmarks/; without it they are left out
+endif()

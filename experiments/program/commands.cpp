@@ -10,10 +10,11 @@
 
 #include "progress.h"
 #include "s2nnds/core/check.h"
-#include "s2nnds/core/parallel.h"
 #include "s2nnds/data/readers.h"
+#include "s2nnds/deployment/cpp_header.h"
 #include "s2nnds/deployment/torchscript.h"
 #include "s2nnds/runs/pipeline.h"
+#include "s2nnds/runs/threads.h"
 
 extern char** environ;
 
@@ -76,9 +77,27 @@ TrainingStart start_from_run(const TrainArguments& arguments, const std::string&
   start.path = arguments.out.empty() ? arguments.resume : arguments.out;
   check_writable(start.path);
   start.record = load_run(arguments.resume);
-  check(start.record.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from", arguments.resume);
+  check(start.record.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from",
+        arguments.resume);
   start.setup = set_up(start.record, data);
   return start;
+}
+
+PolicyInfo policy_info(const RunRecord& record) {
+  PolicyInfo info;
+  info.name = record.name;
+  info.position_scale = record.data.normalization.position_scale;
+  info.velocity_scale = record.data.normalization.velocity_scale;
+  info.unit = record.data.unit;
+  info.guarantee = record.certificate.guarantee;
+  info.statement = record.certificate.statement;
+  info.workspace_lower = record.problem.workspace.lower;
+  info.workspace_upper = record.problem.workspace.upper;
+  info.disturbance_margin = record.certificate.disturbance_margin;
+  info.float32_error = record.certificate.float32_error > 0.0
+                           ? record.certificate.float32_error
+                           : float32_error(record.networks.f, record.problem.workspace);
+  return info;
 }
 
 void verify_and_evaluate(const Setup& setup, RunRecord& record) {
@@ -92,7 +111,7 @@ void verify_and_evaluate(const Setup& setup, RunRecord& record) {
 }  // namespace
 
 int train(const TrainArguments& arguments, const CommonArguments& common) {
-  use_threads(common.threads);
+  set_threads(common.threads);
   const std::string data = data_directory(common.data);
   TrainingStart start =
       arguments.resume.empty() ? start_from_config(arguments, data) : start_from_run(arguments, data);
@@ -111,7 +130,7 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
 }
 
 int verify(const VerifyArguments& arguments, const CommonArguments& common) {
-  use_threads(common.threads);
+  set_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
   const Setup setup = set_up(record, data_directory(common.data));
@@ -131,7 +150,7 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
 }
 
 int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
-  use_threads(common.threads);
+  set_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
   const Setup setup = set_up(record, data_directory(common.data));
@@ -142,23 +161,22 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
 }
 
 int export_policy(const ExportArguments& arguments, const CommonArguments& common) {
+  set_threads(common.threads);
   const RunRecord record = load_run(arguments.run);
-  const std::string path = arguments.out.empty() ? sibling(arguments.run, ".pt") : arguments.out;
+  const bool header = arguments.format == "cpp";
+  const std::string path =
+      arguments.out.empty() ? sibling(arguments.run, header ? ".h" : ".pt") : arguments.out;
   check_writable(path);
   check(record.certificate.weight_hash.empty() ||
             record.certificate.weight_hash == weight_hash(record.networks),
         "{}: the certificate speaks of other weights than the file holds", arguments.run);
-  PolicyInfo info;
-  info.name = record.name;
-  info.position_scale = record.data.normalization.position_scale;
-  info.velocity_scale = record.data.normalization.velocity_scale;
-  info.unit = record.data.unit;
-  info.guarantee = record.certificate.guarantee;
-  info.statement = record.certificate.statement;
-  info.workspace_lower = record.problem.workspace.lower;
-  info.workspace_upper = record.problem.workspace.upper;
-  export_torchscript(record.networks, info, path);
-  fmt::print("{}: TorchScript policy, guarantee {}\n", path, info.guarantee);
+  const PolicyInfo info = policy_info(record);
+  if (header) {
+    export_cpp_header(record.networks, info, header_precision_from(arguments.precision), path);
+  } else {
+    export_torchscript(record.networks, info, path);
+  }
+  fmt::print("{}: {} policy, guarantee {}\n", path, header ? "C++" : "TorchScript", info.guarantee);
   if (common.json) fmt::print("{}\n", summary_json(record, arguments.run));
   return kVerified;
 }
@@ -182,6 +200,7 @@ int plot(const PlotArguments& arguments) {
 }
 
 int info(const std::string& run, const CommonArguments& common) {
+  set_threads(common.threads);
   const RunRecord record = load_run(run);
   fmt::print("{}: schema {}, written by version {} ({}), {}\n", run, run_schema_version,
              record.program_version, record.library_versions, record.created);
@@ -196,6 +215,9 @@ int info(const std::string& run, const CommonArguments& common) {
     fmt::print("  rounds {}, training {}\n", record.checkpoint->round,
                record.checkpoint->finished ? "finished" : "not finished (train --resume goes on)");
   }
+  const ThreadCounts threads = thread_counts();
+  fmt::print("  threads here: loops {}, ATen {}, BLAS {}\n", threads.loops, threads.aten,
+             threads.blas ? std::to_string(*threads.blas) : "without its own");
   print_summary(record, run);
   if (common.json) fmt::print("{}\n", summary_json(record, run));
   return kVerified;

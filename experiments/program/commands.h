@@ -44,6 +44,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common);
 struct ExportArguments {
   std::string run;
   std::string format = "torchscript";
+  std::string precision = "float";  // of f in a C++ header
   std::string out;
 };
 int export_policy(const ExportArguments& arguments, const CommonArguments& common);

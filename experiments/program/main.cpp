@@ -23,7 +23,8 @@ int run(int argc, char** argv) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->add_option("--data", common.data,
                     "folder of the data files (else $S2NNDS_DATA, else ../shared/data)");
-    sub->add_option("--threads", common.threads, "threads to use; 0: all cores")
+    sub->add_option("--threads", common.threads,
+                    "threads of everything that computes; 0: all cores")
         ->check(CLI::NonNegativeNumber);
     sub->add_flag("--json", common.json, "print one JSON object as the last line");
     return sub;
@@ -61,8 +62,11 @@ int run(int argc, char** argv) {
   ExportArguments policy;
   sub = command("export", "write the policy of a stored run");
   sub->add_option("run", policy.run, "run file")->required();
-  sub->add_option("--format", policy.format, "torchscript")->check(CLI::IsMember({"torchscript"}));
-  sub->add_option("--out", policy.out, "file to write (default RUN.pt)");
+  sub->add_option("--format", policy.format, "torchscript, or cpp: a header for control loops")
+      ->check(CLI::IsMember({"torchscript", "cpp"}));
+  sub->add_option("--precision", policy.precision, "cpp: what f is computed in, float or double")
+      ->check(CLI::IsMember({"float", "double"}));
+  sub->add_option("--out", policy.out, "file to write (default RUN.pt or RUN.h)");
   sub->callback([&] { code = export_policy(policy, common); });
 
   PlotArguments figures;

@@ -2,14 +2,11 @@
 
 #include <torch/script.h>
 #include <torch/torch.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <sstream>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/deployment/whole_file.h"
 
 namespace s2nnds {
 namespace {
@@ -98,24 +95,6 @@ std::string serialised(const torch::jit::Module& module) {
   return bytes.str();
 }
 
-bool write_file(const std::string& path, const std::string& bytes) {
-  std::FILE* file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) return false;
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() &&
-                       std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;
-  return std::fclose(file) == 0 && written;
-}
-
-void save_atomically(const torch::jit::Module& module, const std::string& path) {
-  const std::string bytes = serialised(module);
-  const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
-  errno = 0;
-  if (write_file(temporary, bytes) && std::rename(temporary.c_str(), path.c_str()) == 0) return;
-  const std::string reason = std::strerror(errno);
-  std::remove(temporary.c_str());
-  fail("{}: cannot write the policy: {}", path, reason);
-}
-
 }  // namespace
 
 void export_torchscript(const Networks& networks, const PolicyInfo& info, const std::string& path) {
@@ -151,7 +130,7 @@ void export_torchscript(const Networks& networks, const PolicyInfo& info, const 
   } catch (const c10::Error& e) {
     fail("policy: TorchScript refused the module: {}", e.what_without_backtrace());
   }
-  save_atomically(module, path);
+  write_whole_file(path, serialised(module), "the policy");
 }
 
 }  // namespace s2nnds

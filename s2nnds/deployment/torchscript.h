@@ -2,20 +2,10 @@
 
 #include <string>
 
+#include "s2nnds/deployment/policy_info.h"
 #include "s2nnds/networks/layer_stack.h"
 
 namespace s2nnds {
-
-// What an exported policy carries besides its networks.
-struct PolicyInfo {
-  std::string name;
-  double position_scale = 1.0;  // positions in the data's unit / position_scale = normalised
-  double velocity_scale = 1.0;  // normalised velocity * velocity_scale = data's unit per second
-  std::string unit;
-  std::string guarantee;
-  std::string statement;
-  Vector workspace_lower, workspace_upper;  // [n] normalised
-};
 
 // Writes a TorchScript module (loads with torch.jit.load and torch::jit::load):
 //   forward(x):  positions [N, n] in the data's unit, goal-centred -> velocities [N, n] in that unit per

@@ -10,6 +10,7 @@
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
 #include "s2nnds/runs/proof_source.h"
+#include "s2nnds/runs/threads.h"
 #include "s2nnds/runs/training_checkpoint.h"
 #include "s2nnds/training/falsifier.h"
 
@@ -447,6 +448,9 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   json["rounds"] = record.checkpoint ? record.checkpoint->round : 0;
   json["weight_hash"] = record.certificate.weight_hash;
   json["statement"] = record.certificate.statement;
+  const ThreadCounts threads = thread_counts();
+  json["threads"] = {{"loops", threads.loops}, {"aten", threads.aten}, {"blas", nullptr}};
+  if (threads.blas) json["threads"]["blas"] = *threads.blas;
   json["run"] = path;
   return json.dump();
 }

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/warm_start.h"
 
@@ -24,15 +25,6 @@ torch::Tensor tensor(const Points& points) {
 BatchTensors tensors(const Batch& batch) {
   return {tensor(batch.position), tensor(batch.velocity), tensor(batch.workspace), tensor(batch.initial),
           tensor(batch.unsafe),   tensor(batch.safe),     tensor(batch.doomed)};
-}
-
-// AdamW without decay is Adam; each round starts afresh, so that a checkpoint needs no optimiser state.
-torch::optim::AdamW adam(const torch::nn::Module& network, double rate) {
-  return torch::optim::AdamW(network.parameters(), torch::optim::AdamWOptions(rate).weight_decay(0.0));
-}
-
-void set_rate(torch::optim::AdamW& optimizer, double rate) {
-  static_cast<torch::optim::AdamWOptions&>(optimizer.param_groups()[0].options()).lr(rate);
 }
 
 }  // namespace
@@ -143,23 +135,19 @@ class Trainer::Impl {
     label(row);
     const auto age = static_cast<double>((round - 1) % options_.rate_period);
     const double factor = std::max(options_.rate_floor, std::pow(options_.rate_decay, age));
-    torch::optim::AdamW optimizers[] = {adam(*modules_.f, options_.rate_f * factor),
-                                        adam(*modules_.V, options_.rate_certificates * factor),
-                                        adam(*modules_.B, options_.rate_certificates * factor)};
+    // Each round starts afresh, so that a checkpoint needs no optimiser state.
+    const auto adam = [&](const Mlp& network) { return FlatAdam(network->theta, 0.0, options_.clip); };
+    FlatAdam optimizers[] = {adam(modules_.f->network), adam(modules_.V->network), adam(modules_.B->network)};
+    const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
     JointLoss loss(modules_, options_.loss);
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     for (std::int64_t step = 0; step < options_.steps; ++step) {
       if (step % options_.batch.band_refresh == 0) seek_band(candidates);
-      const double rate = factor * annealed(step);
-      const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
-      for (std::size_t k = 0; k < std::size(optimizers); ++k) set_rate(optimizers[k], rate * rates[k]);
       const LossTerms terms = loss(tensors(sampler_.draw(random)));
       for (auto& optimizer : optimizers) optimizer.zero_grad();
       terms.total.backward();
-      for (auto& optimizer : optimizers) {
-        torch::nn::utils::clip_grad_norm_(optimizer.param_groups()[0].params(), options_.clip);
-        optimizer.step();
-      }
+      for (std::size_t k = 0; k < std::size(optimizers); ++k)
+        optimizers[k].step(factor * annealed(step) * rates[k]);
       const double share = 1.0 / static_cast<double>(options_.steps);
       row.loss += share * terms.total.item<double>();
       row.mse += share * terms.mse.item<double>();

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "s2nnds/core/random.h"
+#include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/losses.h"
 
 namespace s2nnds {
@@ -16,21 +17,18 @@ double full_mse(VectorField& f, const torch::Tensor& position, const torch::Tens
 
 void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
          const WarmStartOptions& options, RandomStream random) {
-  torch::optim::AdamW optimizer(f->parameters(),
-                                torch::optim::AdamWOptions(options.rate).weight_decay(options.weight_decay));
-  auto& settings = static_cast<torch::optim::AdamWOptions&>(optimizer.param_groups()[0].options());
+  FlatAdam optimizer(f->network->theta, options.weight_decay, options.clip);
   torch::Tensor rows = torch::empty({options.batch}, torch::kInt64);
   const auto samples = static_cast<std::size_t>(position.size(0));
   for (std::int64_t step = 0; step < options.steps; ++step) {
     const double progress = static_cast<double>(step) / static_cast<double>(options.steps);
-    settings.lr(options.rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress)));
+    const double rate = options.rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
     auto* row = rows.data_ptr<std::int64_t>();
     for (std::int64_t i = 0; i < options.batch; ++i)
       row[i] = static_cast<std::int64_t>(random.below(samples));
     optimizer.zero_grad();
     imitation_loss(f(position.index_select(0, rows)), velocity.index_select(0, rows)).backward();
-    torch::nn::utils::clip_grad_norm_(f->parameters(), options.clip);
-    optimizer.step();
+    optimizer.step(rate);
   }
 }
 

@@ -228,13 +228,18 @@ class OutputTest(ProgramTest):
         self.assert_refused(self.call("train", SINE, *settings(), "--out", out), out)
         run = self.trained()
         self.assert_refused(self.call("export", run, "--out", self.path("nowhere/run.pt")), "nowhere/run.pt")
+        self.assert_refused(
+            self.call("export", run, "--format", "cpp", "--out", self.path("nowhere/run.h")), "nowhere/run.h"
+        )
         self.assertEqual(os.listdir(self.folder), ["run.h5"])
 
     def test_folder_in_place_of_a_file(self):
         os.mkdir(self.path("folder.h5"))
         self.assert_refused(self.call("train", SINE, *settings(), "--out", self.path("folder.h5")), "folder.h5")
         run = self.trained()
-        self.assert_refused(self.call("export", run, "--out", self.path("folder.h5")), "folder.h5")
+        for kind in ("torchscript", "cpp"):
+            refused = self.call("export", run, "--format", kind, "--out", self.path("folder.h5"))
+            self.assert_refused(refused, "folder.h5")
 
     def test_file_in_place_of_a_folder(self):
         with open(self.path("figures"), "wb") as file:
@@ -283,10 +288,11 @@ class FullDiskTest(ProgramTest):
     def test_export(self):
         # Networks large enough for a policy beyond the limit.
         run = self.trained(changes={"networks.f.hidden": "[128, 128]"})
-        out = self.path("run.pt")
+        out = self.path("run.out")
         with open(out, "wb") as file:
             file.write(KEPT)
-        self.assert_refused(self.limited("export", run, "--out", out), out, "cannot write")
+        for kind in ("torchscript", "cpp"):
+            self.assert_refused(self.limited("export", run, "--format", kind, "--out", out), out, "cannot write")
         os.remove(run)
         self.assert_kept(out)
 
@@ -307,6 +313,7 @@ class CommandTest(ProgramTest):
     def test_unknown_method_and_format(self):
         self.assert_refused(self.call("verify", "run.h5", "--method", "guess"), "guess")
         self.assert_refused(self.call("export", "run.h5", "--format", "word"), "word")
+        self.assert_refused(self.call("export", "run.h5", "--format", "cpp", "--precision", "half"), "half")
 
     def test_nothing_to_train(self):
         self.assert_refused(self.call("train"), "--resume")

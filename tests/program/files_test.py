@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""What leaves the program: the exported policy against the run file's own networks, and the figures."""
+"""What leaves the program: the exported policies against the run file's own networks, and the figures."""
 
 import os
+import subprocess
 
 import command_line
 import h5py
@@ -97,6 +98,70 @@ class ExportTest(ProgramTest):
         always = torch.jit.load(self.path("always.pt"))
         x = torch.as_tensor(normalised * run.data.position_scale, dtype=torch.float32)
         np.testing.assert_array_equal(always.safe(x).numpy(), inside)
+
+
+class HeaderTest(ProgramTest):
+    """export --format cpp: the header by itself, compiled with warnings as errors, against the run file's networks."""
+
+    DRIVER = """
+#include "{header}"
+#include <cstdio>
+int main() {{
+  double x[{space}::dimension], v[{space}::dimension];
+  for (;;) {{
+    for (double& value : x) {{
+      if (std::scanf("%lf", &value) != 1) return 0;
+    }}
+    {space}::velocity(x, v);
+    for (double value : v) std::printf("%.17g ", value);
+    std::printf("%.17g %.17g %d\\n", {space}::lyapunov(x), {space}::barrier(x), int({space}::safe(x)));
+  }}
+}}
+"""
+
+    def answers(self, header, points):
+        space = "policy_" + os.path.splitext(header)[0]
+        with open(self.path("driver.cpp"), "w", encoding="utf-8") as file:
+            file.write(self.DRIVER.format(header=header, space=space))
+        warnings = ("-std=c++17", "-Wall", "-Wextra", "-Werror", "-O2", "-march=native")
+        subprocess.run(["g++", *warnings, "driver.cpp", "-o", "driver"], cwd=self.folder, check=True)
+        text = "\n".join(" ".join(map(repr, map(float, point))) for point in points)
+        done = subprocess.run([self.path("driver")], input=text, capture_output=True, text=True, check=True)
+        return np.array([[float(word) for word in line.split()] for line in done.stdout.splitlines()])
+
+    def assert_same_values(self, header, run, tolerance):
+        n, rng = run.dimension, np.random.default_rng(6)
+        normalised = rng.uniform(run.problem.workspace_lower, run.problem.workspace_upper, (400, n))
+        found = self.answers(header, normalised * run.data.position_scale)
+        error = np.linalg.norm(found[:, :n] / run.data.velocity_scale - run.f(normalised), axis=1).max()
+        self.assertLess(error, tolerance)
+        V, B = run.V(normalised), run.B(normalised)
+        np.testing.assert_allclose(found[:, n], V, rtol=1e-11, atol=1e-12)
+        np.testing.assert_allclose(found[:, n + 1], B, rtol=1e-11, atol=1e-12)
+        np.testing.assert_array_equal(found[:, n + 2] == 1, B <= 0)
+
+    def export(self, run, out, *words):
+        code, text, err = self.call("export", run, "--format", "cpp", "--out", self.path(out), *words)
+        self.assertEqual((code, err), (0, ""), text)
+        self.assertIn("C++ policy", text)
+
+    def test_same_values_as_the_run_file(self):
+        for name, changes in (
+            ("default", {}),
+            ("paper", {"profile": '"paper"'}),
+            ("mixed", {"networks.f.activation": '"sine"', "networks.V.activation": '"softplus"', "networks.B.activation": '"silu"'}),
+        ):
+            with self.subTest(changes=changes):
+                path = self.trained(changes=changes)
+                self.export(path, f"{name}.h")
+                self.assert_same_values(f"{name}.h", Run(path), 1e-4)
+                self.export(path, f"{name}_double.h", "--precision", "double")
+                self.assert_same_values(f"{name}_double.h", Run(path), 1e-12)
+
+    def test_it_lies_beside_the_run_by_default(self):
+        code, _, err = self.call("export", self.trained(), "--format", "cpp")
+        self.assertEqual((code, err), (0, ""))
+        self.assertEqual(sorted(os.listdir(self.folder)), ["run.h", "run.h5"])
 
 
 class PlotTest(ProgramTest):

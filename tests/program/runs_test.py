@@ -127,6 +127,16 @@ class JsonTest(ProgramTest):
             self.assertEqual(file["evaluation"].attrs["mse_train"], report["mse_train"])
             self.assertEqual(file["certificate"].attrs["weight_hash"], report["weight_hash"])
 
+    def test_one_setting_rules_all_threads(self):
+        run = self.trained()
+        for threads in (1, 2, 3):
+            _, report = self.last_line("info", run, "--threads", threads)
+            counts = report["threads"]
+            self.assertEqual((counts["loops"], counts["aten"]), (threads, 1))
+            self.assertIn(counts["blas"], (None, 1))  # null: a BLAS without threads
+        _, report = self.last_line("info", run)
+        self.assertEqual(report["threads"]["loops"], len(os.sched_getaffinity(0)))
+
     def test_without_json_no_json(self):
         code, out, err = self.call("info", self.trained())
         self.assertEqual((code, err), (0, ""), out)

@@ -1,0 +1,338 @@
+#include "s2nnds/deployment/cpp_header.h"
+
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/deployment/policy_kernels.h"
+#include "s2nnds/deployment/whole_file.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr Eigen::Index kPadding = 16;  // numbers: a multiple of every register's width
+constexpr Eigen::Index kNarrow = 8;    // fewer outputs are computed one by one, along the inputs
+constexpr std::size_t kNumbersALine = 10;
+
+Eigen::Index padded(Eigen::Index width) { return (width + kPadding - 1) / kPadding * kPadding; }
+
+// A literal that the compiler reads back as exactly this value.
+std::string literal(double value, bool single) {
+  if (!single) return fmt::format("{:#}", value);
+  const auto rounded = static_cast<float>(value);
+  check(std::isfinite(rounded), "policy: the weight {} is beyond float's range, use --precision double",
+        value);
+  return fmt::format("{:#}F", rounded);
+}
+
+std::string string_literal(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\' || c == '?') {  // "??" begins trigraphs
+      result += fmt::format("\\{}", c);
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      result += fmt::format("\\{:03o}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+std::string_view functor(Activation activation) {
+  switch (activation) {
+    case Activation::identity:
+      return "Identity";
+    case Activation::tanh:
+      return "Tanh";
+    case Activation::elu:
+      return "Elu";
+    case Activation::softplus:
+      return "Softplus";
+    case Activation::silu:
+      return "Silu";
+    case Activation::sine:
+      return "Sine";
+  }
+  fail("activation: found the unknown value {}", static_cast<int>(activation));
+}
+
+using Text = fmt::memory_buffer;
+template <typename... Args>
+void put(Text& text, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
+
+// One network as source: its weights, layers(x, y) = N(x), and the function of its head.
+class NetworkSource {
+ public:
+  NetworkSource(Text& text, std::string name, const LayerStack& stack, bool single)
+      : text_(text),
+        name_(std::move(name)),
+        stack_(stack),
+        single_(single),
+        real_(single ? "float" : "double") {
+    stack.check();
+  }
+
+  void write_all() {
+    for (std::size_t k = 0; k < stack_.layers.size(); ++k) write_weights(k);
+    write_layers();
+    if (stack_.head != Head::plain) write_origin();
+    write_head();
+  }
+
+ private:
+  // The last layer's output padded, which is what layers() fills.
+  Eigen::Index outputs() const { return padded(stack_.layers.back().weight.rows()); }
+  bool is_narrow(std::size_t k) const {
+    const Points& weight = stack_.layers[k].weight;
+    return k > 0 && weight.rows() < kNarrow && weight.cols() >= kPadding;
+  }
+
+  void write_array(const std::string& name, const Points& values) {
+    put(text_, "alignas(64) inline constexpr {} {}[{}] = {{", real_, name, values.size());
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      const bool first = static_cast<std::size_t>(i) % kNumbersALine == 0;
+      put(text_, "{}{}", i == 0 ? "\n    " : first ? ",\n    " : ", ", literal(values.data()[i], single_));
+    }
+    put(text_, "}};\n");
+  }
+
+  void write_weights(std::size_t k) {
+    const Layer& layer = stack_.layers[k];
+    const Points& weight = layer.weight;
+    Points stored;
+    if (is_narrow(k)) {
+      stored.setZero(weight.rows(), padded(weight.cols()));
+      stored.leftCols(weight.cols()) = weight;
+    } else {
+      stored.setZero(weight.cols(), padded(weight.rows()));
+      stored.leftCols(weight.rows()) = weight.transpose();
+    }
+    Points bias = Points::Zero(1, padded(weight.rows()));
+    if (layer.bias.size() > 0) bias.leftCols(weight.rows()) = layer.bias.transpose();
+    write_array(fmt::format("{}_weight_{}", name_, k), stored);
+    write_array(fmt::format("{}_bias_{}", name_, k), bias);
+  }
+
+  void write_layers() {
+    Eigen::Index widest = 0;
+    for (const Layer& layer : stack_.layers) widest = std::max(widest, padded(layer.weight.rows()));
+    put(text_, "inline void {}_layers(const {}* x, {}* y) noexcept {{\n", name_, real_, real_);
+    if (stack_.layers.size() > 1) put(text_, "  alignas(64) {} a[{}];\n", real_, widest);
+    if (stack_.layers.size() > 2) put(text_, "  alignas(64) {} b[{}];\n", real_, widest);
+    std::string from = "x";
+    for (std::size_t k = 0; k < stack_.layers.size(); ++k) {
+      const std::string to = k + 1 == stack_.layers.size() ? "y" : k % 2 == 0 ? "a" : "b";
+      write_layer(k, from, to);
+      from = to;
+    }
+    put(text_, "}}\n");
+  }
+
+  void write_layer(std::size_t k, const std::string& from, const std::string& to) {
+    const Layer& layer = stack_.layers[k];
+    const Eigen::Index in = layer.weight.cols(), out = layer.weight.rows();
+    const std::string arrays = fmt::format("{0}_weight_{1}, {0}_bias_{1}, {2}, {3}", name_, k, from, to);
+    if (is_narrow(k)) {
+      put(text_, "  dense_narrow<{}, {}>({}, std::make_integer_sequence<int, {}>());\n", real_, padded(in),
+          arrays, out);
+    } else {
+      put(text_, "  dense<{}, {}, {}>({});\n", real_, in, padded(out), arrays);
+    }
+    if (layer.activation == Activation::identity) return;
+    put(text_, "  activate<{}, {}>({});\n", functor(layer.activation), padded(out), to);
+  }
+
+  // N(0), by the same instructions as N(x), so that the two cancel exactly at the goal.
+  void write_origin() {
+    put(text_,
+        "struct {0}_at_origin {{\n"
+        "  alignas(64) {1} y[{2}];\n"
+        "  {0}_at_origin() noexcept {{\n"
+        "    volatile {1} zero = 0;  // or the compiler would evaluate this by itself, rounding in its own "
+        "way\n"
+        "    {1} x[{3}];\n"
+        "    for ({1}& value : x) value = zero;\n"
+        "    {0}_layers(x, y);\n"
+        "  }}\n"
+        "}};\n",
+        name_, real_, outputs(), stack_.input_dimension());
+  }
+
+  void write_head() {
+    const Eigen::Index m = stack_.layers.back().weight.rows();
+    put(text_,
+        "// y [{0}] of the normalised position x [{1}]\n"
+        "inline void {2}(const {3}* x, {3}* y) noexcept {{\n"
+        "  alignas(64) {3} raw[{4}];\n"
+        "  {2}_layers(x, raw);\n",
+        stack_.output_dimension(), stack_.input_dimension(), name_, real_, outputs());
+    if (stack_.head != Head::plain) {
+      put(text_,
+          "  static const {0}_at_origin origin;\n"
+          "  for (int i = 0; i < {1}; ++i) raw[i] -= origin.y[i];\n",
+          name_, m);
+    }
+    if (stack_.head == Head::squared_norm) {
+      put(text_,
+          "  {0} features = 0, distance = 0;\n"
+          "  for (int i = 0; i < {1}; ++i) features += raw[i] * raw[i];\n"
+          "  for (int i = 0; i < {2}; ++i) distance += x[i] * x[i];\n"
+          "  y[0] = features + {3} * distance;\n",
+          real_, m, stack_.input_dimension(), literal(stack_.quadratic, single_));
+    } else {
+      put(text_, "  for (int i = 0; i < {}; ++i) y[i] = raw[i];\n", m);
+    }
+    put(text_, "}}\n\n");
+  }
+
+  Text& text_;
+  std::string name_;
+  const LayerStack& stack_;
+  bool single_;
+  const char* real_;
+};
+
+void write_head(Text& text, const std::string& space) {
+  put(text, R"(// A robot motion, learned and checked by s2nnds: x' = velocity(x). Generated; do not edit.
+// Compile with optimisation and for the processor at hand (-O3 -march=native); no other flag is needed.
+#pragma once
+
+#include <cfloat>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ > 0)
+#error "compile without -ffast-math: it changes what was certified, and hides NaN"
+#endif
+static_assert(FLT_EVAL_METHOD == 0 || FLT_EVAL_METHOD == 16, "expected arithmetic in the type's own precision");
+
+namespace {} {{
+
+)",
+      space);
+}
+
+void write_constants(Text& text, const Networks& networks, const PolicyInfo& info, bool single) {
+  const auto number = [&](const char* name, double value, const char* comment) {
+    put(text, "inline constexpr double {} = {:#};{}\n", name, value, comment);
+  };
+  const auto words = [&](const char* name, const std::string& value) {
+    put(text, "inline constexpr char {}[] = {};\n", name, string_literal(value));
+  };
+  const Eigen::Index n = networks.f.input_dimension();
+  words("name", info.name);
+  words("unit", info.unit);
+  words("guarantee", info.guarantee);
+  words("statement", info.statement);
+  words("weight_hash", weight_hash(networks));
+  words("precision", single ? "float" : "double");
+  put(text, "inline constexpr int dimension = {};\n", n);
+  number("position_scale", info.position_scale, "  // position / position_scale = normalised");
+  number("velocity_scale", info.velocity_scale, "  // normalised * velocity_scale = velocity");
+  number("disturbance_margin", info.disturbance_margin * info.velocity_scale,
+         "  // certified for x' = velocity(x) + w, |w| <= this; 0: none");
+  number("float32_error", info.float32_error * info.velocity_scale,
+         "  // bound on |error| in float, in the workspace");
+  put(text, "inline constexpr double workspace[{}] = {{", 2 * n);
+  for (Eigen::Index i = 0; i < 2 * n; ++i) {
+    const double corner = i < n ? info.workspace_lower[i] : info.workspace_upper[i - n];
+    put(text, "{}{:#}", i == 0 ? "" : ", ", info.position_scale * corner);
+  }
+  put(text, "}};  // lower corner, upper corner\n\nnamespace detail {{\n");
+}
+
+constexpr const char* kInterface = R"(}}  // namespace detail
+
+// v [dimension] = the velocity at the position x [dimension], goal-centred, in `unit` and `unit` per second.
+inline void velocity(const double* x, double* v) noexcept {{
+  {0} z[dimension], y[dimension];
+  for (int i = 0; i < dimension; ++i) z[i] = static_cast<{0}>(x[i] / position_scale);
+  detail::f(z, y);
+  for (int i = 0; i < dimension; ++i) v[i] = static_cast<double>(y[i]) * velocity_scale;
+}}
+
+// The Lyapunov function at the position x [dimension]: it falls along motions, to 0 at the goal.
+inline double lyapunov(const double* x) noexcept {{
+  double z[dimension], y = 0.0;
+  for (int i = 0; i < dimension; ++i) z[i] = x[i] / position_scale;
+  detail::V(z, &y);
+  return y;
+}}
+
+// The barrier function at the position x [dimension]: motions that start where it is <= 0 stay there.
+inline double barrier(const double* x) noexcept {{
+  double z[dimension], y = 0.0;
+  for (int i = 0; i < dimension; ++i) z[i] = x[i] / position_scale;
+  detail::B(z, &y);
+  return y;
+}}
+
+// Whether x [dimension] lies in the safe set: barrier(x) <= 0 and inside the workspace. False for NaN.
+inline bool safe(const double* x) noexcept {{
+  for (int i = 0; i < dimension; ++i) {{
+    if (!(x[i] >= workspace[i] && x[i] <= workspace[dimension + i])) return false;
+  }}
+  return barrier(x) <= 0.0;
+}}
+
+}}  // namespace {1}
+)";
+
+void check_fit(const Networks& networks, const PolicyInfo& info) {
+  const Eigen::Index n = networks.f.input_dimension();
+  check(n > 0 && networks.f.output_dimension() == n && networks.V.input_dimension() == n &&
+            networks.B.input_dimension() == n && networks.V.output_dimension() == 1 &&
+            networks.B.output_dimension() == 1 && networks.f.head != Head::squared_norm,
+        "policy: found f {} -> {}, V {} -> {}, B {} -> {}, expected n -> n, n -> 1, n -> 1", n,
+        networks.f.output_dimension(), networks.V.input_dimension(), networks.V.output_dimension(),
+        networks.B.input_dimension(), networks.B.output_dimension());
+  check(info.workspace_lower.size() == n && info.workspace_upper.size() == n,
+        "policy: found a workspace of dimension {}, expected {}", info.workspace_lower.size(), n);
+  check(info.workspace_lower.allFinite() && info.workspace_upper.allFinite() && info.position_scale > 0.0 &&
+            info.velocity_scale > 0.0 && std::isfinite(info.position_scale) &&
+            std::isfinite(info.velocity_scale),
+        "policy: found scales {} and {} or a workspace that are not finite and positive", info.position_scale,
+        info.velocity_scale);
+}
+
+}  // namespace
+
+HeaderPrecision header_precision_from(std::string_view name) {
+  if (name == "float") return HeaderPrecision::float32;
+  if (name == "double") return HeaderPrecision::float64;
+  fail("precision: found \"{}\", expected float or double", name);
+}
+
+std::string policy_namespace(const std::string& path) {
+  std::string space = "policy_";
+  for (const char c : std::filesystem::path(path).stem().string()) {
+    space += std::isalnum(static_cast<unsigned char>(c)) && static_cast<unsigned char>(c) < 0x80 ? c : '_';
+  }
+  return space;
+}
+
+void export_cpp_header(const Networks& networks, const PolicyInfo& info, HeaderPrecision precision,
+                       const std::string& path) {
+  check_fit(networks, info);
+  const bool single = precision == HeaderPrecision::float32;
+  const std::string space = policy_namespace(path);
+  Text text;
+  write_head(text, space);
+  write_constants(text, networks, info, single);
+  text.append(std::string_view(policy_kernels_source));
+  put(text, "\n");
+  NetworkSource(text, "f", networks.f, single).write_all();
+  NetworkSource(text, "V", networks.V, false).write_all();
+  NetworkSource(text, "B", networks.B, false).write_all();
+  put(text, kInterface, single ? "float" : "double", space);
+  write_whole_file(path, fmt::to_string(text), "the policy");
+}
+
+}  // namespace s2nnds

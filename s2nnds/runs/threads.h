@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+
+namespace s2nnds {
+
+// How many threads each of those that compute in this process would use.
+struct ThreadCounts {
+  int loops = 1;            // the library's: networks, prover, rollouts
+  int aten = 1;             // tensors
+  std::optional<int> blas;  // OpenBLAS or BLIS behind them; none: a BLAS without threads of its own
+};
+
+// One setting for all: the library's loops get `threads` (0: all cores), ATen and the BLAS one, since what is left to
+// them is too small to share, and their waiting threads would hold a core. Throws Error if `threads` is negative.
+void set_threads(int threads);
+ThreadCounts thread_counts();
+
+}  // namespace s2nnds

@@ -1,0 +1,277 @@
+#include "s2nnds/deployment/cpp_header.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/core/random.h"
+#include "s2nnds/verification/disturbance_margin.h"
+
+namespace s2nnds {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kWarnings =
+    "-std=c++17 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Werror";
+constexpr const char* kFast = "-O3 -march=native";
+
+LayerStack random_stack(const std::vector<int>& sizes, Activation activation, bool bias,
+                        RandomStream& random) {
+  LayerStack stack;
+  for (std::size_t l = 0; l + 1 < sizes.size(); ++l) {
+    const auto draw = [&] { return random.normal() / std::sqrt(sizes[l]); };
+    Layer layer;
+    layer.weight = Points::NullaryExpr(sizes[l + 1], sizes[l], draw);
+    if (bias) layer.bias = Vector::NullaryExpr(sizes[l + 1], draw);
+    layer.activation = l + 2 < sizes.size() ? activation : Activation::identity;
+    stack.layers.push_back(layer);
+  }
+  return stack;
+}
+
+// Every head, layers with and without biases, widths on and off the padding, a bottleneck.
+Networks random_networks(int n, Activation activation, RandomStream& random) {
+  Networks networks;
+  networks.f = random_stack({n, 40, 17, n}, activation, true, random);
+  networks.f.head = Head::anchored;
+  networks.V = random_stack({n, 20, 7, 33, 9}, activation, true, random);
+  networks.V.head = Head::squared_norm;
+  networks.V.quadratic = 0.3;
+  networks.B = random_stack({n, 16, 5, 1}, activation, false, random);
+  return networks;
+}
+
+PolicyInfo info(int n) {
+  PolicyInfo info;
+  info.name = "Loop \"1\"\\";
+  info.position_scale = 40.0;
+  info.velocity_scale = 25.0;
+  info.unit = "mm";
+  info.guarantee = "conformal";
+  info.statement = "Line one,\nline \"two\" ?\?/ \\";
+  info.workspace_lower = Vector::Constant(n, -1.25);
+  info.workspace_upper = Vector::Constant(n, 1.5);
+  info.disturbance_margin = 0.25;
+  info.float32_error = 1e-5;
+  return info;
+}
+
+// What the compiled driver printed, row by row.
+struct Answers {
+  Points velocity;
+  Vector lyapunov, barrier, safe;
+  long allocations = -1;
+};
+
+class CppHeader : public testing::Test {
+ protected:
+  CppHeader() : folder_(fs::temp_directory_path() / ("s2nnds-cpp-header-" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~CppHeader() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  // Whether the compiler takes `source` with the flags; its complaint is in errors().
+  bool compile(const std::string& source, const std::string& flags) const {
+    const std::string command =
+        fmt::format("{} {} {} -I{} {} -o {} 2> {}", S2NNDS_CXX_COMPILER, kWarnings, flags, folder_.string(),
+                    source, path("driver"), path("errors.txt"));
+    return std::system(command.c_str()) == 0;
+  }
+  std::string errors() const {
+    std::stringstream text;
+    text << std::ifstream(path("errors.txt")).rdbuf();
+    return text.str();
+  }
+
+  // The exported header's answers at x [N, n] in the data's unit.
+  Answers ask(const Points& x, const std::string& flags) const {
+    const std::string macros =
+        fmt::format("'-DPOLICY_HEADER=\"policy.h\"' -DPOLICY_NAMESPACE=policy_policy {}", flags);
+    if (!compile(S2NNDS_SOURCE_DIR "/tests/deployment/header_driver.cpp", macros)) fail("{}", errors());
+    {
+      std::ofstream points(path("points.txt"));
+      for (Eigen::Index i = 0; i < x.size(); ++i) points << fmt::format("{:.17g}\n", x.data()[i]);
+    }
+    const std::string run =
+        fmt::format("{} < {} > {}", path("driver"), path("points.txt"), path("results.txt"));
+    check(std::system(run.c_str()) == 0, "the driver failed");
+    return read_answers(x.rows(), x.cols());
+  }
+
+  Answers read_answers(Eigen::Index rows, Eigen::Index n) const {
+    std::ifstream results(path("results.txt"));
+    std::string word;
+    const auto next = [&] {
+      results >> word;
+      return std::strtod(word.c_str(), nullptr);
+    };
+    Answers found{Points(rows, n), Vector(rows), Vector(rows), Vector(rows), -1};
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      for (Eigen::Index d = 0; d < n; ++d) found.velocity(i, d) = next();
+      found.lyapunov[i] = next();
+      found.barrier[i] = next();
+      found.safe[i] = next();
+    }
+    results >> found.allocations;
+    return found;
+  }
+
+  // Velocities within `allowed` (normalised) of the double networks, V and B within rounding, safe where B <=
+  // 0.
+  void expect_same(const Networks& networks, HeaderPrecision precision, double allowed,
+                   const std::string& flags) {
+    const Eigen::Index n = networks.f.input_dimension();
+    export_cpp_header(networks, info(static_cast<int>(n)), precision, path("policy.h"));
+    const Points z = Points::NullaryExpr(300, n, [&] { return random_.uniform(-1.25, 1.5); });
+    const Answers found = ask(40.0 * z, flags);
+    EXPECT_LE((found.velocity / 25.0 - networks.f.value(z)).rowwise().norm().maxCoeff(), allowed) << flags;
+    const Vector lyapunov = networks.V.value(z).col(0), barrier = networks.B.value(z).col(0);
+    EXPECT_LE((found.lyapunov - lyapunov).cwiseAbs().maxCoeff(), 1e-12 * lyapunov.cwiseAbs().maxCoeff())
+        << flags;
+    EXPECT_LE((found.barrier - barrier).cwiseAbs().maxCoeff(), 1e-12) << flags;
+    for (Eigen::Index i = 0; i < z.rows(); ++i) EXPECT_EQ(found.safe[i] == 1.0, barrier[i] <= 0.0);
+    EXPECT_EQ(found.allocations, 0) << flags;
+  }
+  double float_bound(const LayerStack& f) const {
+    const Eigen::Index n = f.input_dimension();
+    return float32_error(f, Box{Vector::Constant(n, -1.25), Vector::Constant(n, 1.5)});
+  }
+
+  fs::path folder_;
+  RandomStream random_{11, "cpp header"};
+};
+
+class CppHeaderOf : public CppHeader, public testing::WithParamInterface<Activation> {};
+
+TEST_P(CppHeaderOf, EvaluatesTheSameNetworksWithoutAllocating) {
+  for (const int n : {2, 3}) {
+    const Networks networks = random_networks(n, GetParam(), random_);
+    expect_same(networks, HeaderPrecision::float32, float_bound(networks.f), n == 2 ? kFast : "-O1");
+    expect_same(networks, HeaderPrecision::float64, 1e-13, n == 2 ? "-O2" : kFast);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, CppHeaderOf,
+                         testing::Values(Activation::identity, Activation::tanh, Activation::elu,
+                                         Activation::softplus, Activation::silu, Activation::sine),
+                         [](const auto& each) { return std::string(to_string(each.param)); });
+
+TEST_F(CppHeader, FloatStaysWithinTheCertificatesBoundNearlyTightly) {
+  Networks networks = random_networks(2, Activation::tanh, random_);
+  networks.f = random_stack({2, 64, 64, 64, 2}, Activation::tanh, true, random_);
+  networks.f.head = Head::anchored;
+  for (const char* flags : {"-O0", "-O2", kFast, "-O2 -DPOLICY_WITHOUT_VECTORS"}) {
+    expect_same(networks, HeaderPrecision::float32, std::min(float_bound(networks.f), 5e-6), flags);
+  }
+}
+
+TEST_F(CppHeader, OneLayerAndThePapersForm) {
+  Networks networks = random_networks(3, Activation::elu, random_);
+  networks.f = random_stack({3, 64, 64, 3}, Activation::tanh, false, random_);
+  networks.f.layers.back().activation = Activation::tanh;
+  networks.V = random_stack({3, 1}, Activation::identity, false, random_);
+  networks.B = random_stack({3, 16, 1}, Activation::elu, true, random_);
+  networks.B.layers.back().activation = Activation::softplus;
+  expect_same(networks, HeaderPrecision::float32, float_bound(networks.f), "-O2");
+  expect_same(networks, HeaderPrecision::float64, 1e-13, "-O0");
+}
+
+TEST_F(CppHeader, TheGoalIsAnEquilibriumExactly) {
+  const Networks networks = random_networks(2, Activation::silu, random_);
+  for (const HeaderPrecision precision : {HeaderPrecision::float32, HeaderPrecision::float64}) {
+    export_cpp_header(networks, info(2), precision, path("policy.h"));
+    for (const char* flags : {"-O0", kFast}) {
+      const Answers found = ask(Points::Zero(1, 2), flags);
+      EXPECT_EQ(found.velocity, Points::Zero(1, 2)) << flags;
+      EXPECT_EQ(found.lyapunov[0], 0.0);
+    }
+  }
+}
+
+TEST_F(CppHeader, NanStaysNanAndFarPointsStayFinite) {
+  for (const Activation activation :
+       {Activation::tanh, Activation::elu, Activation::softplus, Activation::silu}) {
+    export_cpp_header(random_networks(2, activation, random_), info(2), HeaderPrecision::float32,
+                      path("policy.h"));
+    const Answers found = ask(Points{{NAN, 0.0}, {0.0, NAN}, {1e9, -1e9}, {-1e9, 1e3}}, kFast);
+    for (int i : {0, 1}) {
+      EXPECT_TRUE(found.velocity.row(i).array().isNaN().all()) << to_string(activation);
+      EXPECT_TRUE(std::isnan(found.lyapunov[i]) && std::isnan(found.barrier[i])) << to_string(activation);
+      EXPECT_EQ(found.safe[i], 0.0);
+    }
+    EXPECT_TRUE(found.velocity.bottomRows(2).allFinite()) << to_string(activation);
+  }
+}
+
+TEST_F(CppHeader, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
+  Networks networks = random_networks(2, Activation::tanh, random_);
+  Layer above;  // B(x, y) = y
+  above.weight = Points{{0.0, 1.0}};
+  networks.B = {};
+  networks.B.layers = {above};
+  export_cpp_header(networks, info(2), HeaderPrecision::float32, path("policy.h"));
+  // Workspace [-50, 60]^2.
+  const Answers found =
+      ask(Points{{10, -5}, {10, 5}, {10, -55}, {-55, -5}, {59, -5}, {61, -5}, {10, 0}, {60, -50}}, "-O2");
+  const Vector expected{{1, 0, 0, 0, 1, 0, 1, 1}};
+  EXPECT_EQ(found.safe, expected);
+}
+
+TEST_F(CppHeader, CarriesWhatIsGuaranteedOfWhichWeights) {
+  const Networks networks = random_networks(3, Activation::tanh, random_);
+  export_cpp_header(networks, info(3), HeaderPrecision::float64, path("policy.h"));
+  export_cpp_header(networks, info(3), HeaderPrecision::float32, path("9 lives-x.h"));  // both in one program
+  std::ofstream(path("main.cpp")) << fmt::format(R"(
+#include "policy.h"
+#include "9 lives-x.h"
+#include <string_view>
+namespace p = policy_policy;
+static_assert(p::dimension == 3 && p::position_scale == 40.0 && p::velocity_scale == 25.0);
+static_assert(std::string_view(p::name) == "Loop \"1\"\\" && std::string_view(p::unit) == "mm");
+static_assert(std::string_view(p::guarantee) == "conformal" && std::string_view(p::weight_hash) == "{}");
+static_assert(std::string_view(p::statement) == "Line one,\nline \"two\" ?" "?/ \\");
+static_assert(p::workspace[0] == -50.0 && p::workspace[2] == -50.0 && p::workspace[3] == 60.0 && p::workspace[5] == 60.0);
+static_assert(p::disturbance_margin == 0.25 * 25.0 && p::float32_error == 1e-5 * 25.0);
+static_assert(std::string_view(p::precision) == "double");
+static_assert(std::string_view(policy_9_lives_x::precision) == "float");
+int main() {{}}
+)",
+                                                 weight_hash(networks));
+  EXPECT_TRUE(compile(path("main.cpp"), "-O0")) << errors();
+  EXPECT_FALSE(compile(path("main.cpp"), "-O2 -ffast-math"));
+  EXPECT_NE(errors().find("without -ffast-math"), std::string::npos) << errors();
+}
+
+TEST_F(CppHeader, RefusesWhatItCannotWrite) {
+  Networks networks = random_networks(2, Activation::tanh, random_);
+  const auto refused = [&](const std::string& name, int n, const std::string& words) {
+    try {
+      export_cpp_header(networks, info(n), HeaderPrecision::float32, path(name));
+      ADD_FAILURE() << "expected an Error";
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << e.what();
+    }
+  };
+  refused("nowhere/policy.h", 2, "nowhere/policy.h: cannot write");
+  refused("policy.h", 3, "workspace of dimension 3");
+  networks.f.layers[1].weight(0, 0) = 1e300;
+  refused("policy.h", 2, "--precision double");
+  networks.f.layers[1].weight(0, 0) = NAN;
+  refused("policy.h", 2, "not a finite number");
+  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_THROW(header_precision_from("half"), Error);
+}
+
+}  // namespace
+}  // namespace s2nnds
