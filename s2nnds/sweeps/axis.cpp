@@ -1,38 +1,16 @@
 #include "s2nnds/sweeps/axis.h"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/toml_text.h"
 
 namespace s2nnds {
 namespace {
 
-// On one line, as a key=value setting wants it. An array that the formatter broke over lines is still the same array.
-std::string one_line(const toml::node& node) {
-  std::ostringstream out;
-  node.visit([&out](const auto& value) { out << toml::toml_formatter{value, toml::format_flags::none}; });
-  std::string text;
-  bool after_break = false;
-  for (const char c : out.str()) {
-    if (c == '\n') {
-      after_break = true;
-    } else if (!after_break || c != ' ') {
-      if (after_break) text += ' ';
-      after_break = false;
-      text += c;
-    }
-  }
-  return text;
-}
-
 std::string number_text(double value, bool integer) {
-  if (integer) return fmt::format("{}", static_cast<std::int64_t>(std::llround(value)));
-  const std::string text = fmt::format("{}", value);
-  return text.find_first_of(".ein") == std::string::npos ? text + ".0" : text;
+  return integer ? toml_text(static_cast<std::int64_t>(std::llround(value))) : toml_text(value);
 }
 
 class AxisReader {
@@ -98,7 +76,7 @@ class AxisReader {
       } else if (key == "count") {
         const auto count = node.value_exact<std::int64_t>();
         check(count && *count >= 1, "{}: count: expected an integer >= 1, found {}", where(node, axis.key),
-              one_line(node));
+              toml_text(node));
         axis.count = *count;
       } else if (key == "also") {
         read_also(axis, node);
@@ -112,9 +90,9 @@ class AxisReader {
   void read_values(Axis& axis, const toml::node& node) const {
     const auto* array = node.as_array();
     check(array != nullptr && !array->empty(), "{}: expected a list of at least one value, found {}",
-          where(node, axis.key), one_line(node));
+          where(node, axis.key), toml_text(node));
     for (const toml::node& value : *array) {
-      axis.values.push_back(one_line(value));
+      axis.values.push_back(toml_text(value));
       const auto repeated = std::count(axis.values.begin(), axis.values.end(), axis.values.back());
       check(repeated == 1, "{}: found {} twice; expected different values", where(value, axis.key),
             axis.values.back());
@@ -124,20 +102,20 @@ class AxisReader {
   void read_range(Axis& axis, const toml::node& node) const {
     const auto* array = node.as_array();
     const bool two = array != nullptr && array->size() == 2 && (*array)[0].is_number() && (*array)[1].is_number();
-    check(two, "{}: expected a range of two numbers, found {}", where(node, axis.key), one_line(node));
+    check(two, "{}: expected a range of two numbers, found {}", where(node, axis.key), toml_text(node));
     axis.low = *(*array)[0].value<double>();
     axis.high = *(*array)[1].value<double>();
     axis.integer = (*array)[0].is_integer() && (*array)[1].is_integer();
     check(std::isfinite(axis.low) && std::isfinite(axis.high) && axis.low < axis.high,
-          "{}: expected a range that rises, found {}", where(node, axis.key), one_line(node));
+          "{}: expected a range that rises, found {}", where(node, axis.key), toml_text(node));
     check(!axis.logarithmic || axis.low > 0.0, "{}: expected a logarithmic range of numbers > 0, found {}",
-          where(node, axis.key), one_line(node));
+          where(node, axis.key), toml_text(node));
   }
 
   void read_also(Axis& axis, const toml::node& node) const {
     const auto* array = node.as_array();
     check(array != nullptr && array->is_homogeneous<std::string>(), "{}: also: expected a list of keys, found {}",
-          where(node, axis.key), one_line(node));
+          where(node, axis.key), toml_text(node));
     for (const toml::node& key : *array) axis.also.push_back(*key.value<std::string>());
   }
 
