@@ -9,9 +9,13 @@
 namespace s2nnds {
 namespace {
 
-std::string number_text(double value, bool integer) {
-  return integer ? toml_text(static_cast<std::int64_t>(std::llround(value))) : toml_text(value);
+// Rounded to so many digits, which is what is run: nobody wants to type 0.017287352256509816 again.
+std::string number_text(double value, bool integer, int digits) {
+  if (integer) return toml_text(static_cast<std::int64_t>(std::llround(value)));
+  return toml_text(std::stod(fmt::format("{:.{}g}", value, digits)));
 }
+constexpr int drawn_digits = 6;
+constexpr int grid_digits = 12;
 
 class AxisReader {
  public:
@@ -130,9 +134,9 @@ std::string Axis::at(double u) const {
     const auto index = static_cast<std::size_t>(u * static_cast<double>(values.size()));
     return values[std::min(index, values.size() - 1)];
   }
-  if (logarithmic) return number_text(low * std::pow(high / low, u), integer);
-  if (integer) return number_text(std::min(high, low + std::floor(u * (high - low + 1.0))), true);
-  return number_text(low + u * (high - low), false);
+  if (logarithmic) return number_text(low * std::pow(high / low, u), integer, drawn_digits);
+  if (integer) return number_text(std::min(high, low + std::floor(u * (high - low + 1.0))), true, drawn_digits);
+  return number_text(low + u * (high - low), false, drawn_digits);
 }
 
 std::vector<std::string> Axis::grid() const {
@@ -144,7 +148,7 @@ std::vector<std::string> Axis::grid() const {
     double value = logarithmic ? low * std::pow(high / low, u) : low + u * (high - low);
     if (i == 0 && count > 1) value = low;  // exactly
     if (i == count - 1 && count > 1) value = high;
-    const std::string text = number_text(value, integer);
+    const std::string text = number_text(value, integer, grid_digits);
     if (points.empty() || points.back() != text) points.push_back(text);
   }
   return points;
@@ -152,7 +156,7 @@ std::vector<std::string> Axis::grid() const {
 
 std::vector<std::string> Axis::extremes() const {
   if (!values.empty()) return values;
-  return {number_text(low, integer), number_text(high, integer)};
+  return {number_text(low, integer, grid_digits), number_text(high, integer, grid_digits)};
 }
 
 std::vector<Axis> read_axes(const std::string& text, const std::string& source) {
