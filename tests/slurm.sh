@@ -191,4 +191,26 @@ EOF
     stop "trial $trial differs from an undisturbed one"
 done
 say "the killed, the requeued and the resubmitted trial equal undisturbed ones"
+
+# ---- many trials that end at once: two thousand, each a script that writes a result, in tasks of twenty
+out=$work/many
+/usr/bin/python3 - "$project" "$work" <<'EOF'
+import os, sys
+sys.path.insert(0, sys.argv[1] + "/tests/program")
+sys.argv[1:2] = []
+from many_trials_test import STUB
+from sweep_test import sweep_text
+for name, text in (("stub", STUB), ("many.toml", sweep_text('"training.loss.kappa" = { log_range = [0.01, 1.0] }',
+                                                            design='"sobol"', points="1000"))):
+    with open(f"{sys.argv[1]}/{name}", "w", encoding="utf-8") as file:
+        file.write(text)
+os.chmod(f"{sys.argv[1]}/stub", 0o755)
+EOF
+began=$(date +%s.%N)
+(cd "$work" && "$program" sweep many.toml --out many --program "$work/stub" --slurm partition=test,time=00:20:00,chunk=20)
+say "sbatch took $(echo "$(date +%s.%N) $began" | awk '{printf "%.1f", $1 - $2}') s, its start of the program included"
+await "the queue to be empty" 900 queue_is_empty
+say "100 tasks took $(echo "$(date +%s.%N) $began" | awk '{printf "%.0f", $1 - $2}') s, two at once; $(results) results"
+[[ $(results) -eq 2000 ]] || stop "expected 2000 results, found $(results)"
+say "scheduler: $(sdiag | grep -E 'Mean cycle|Max cycle|Mean depth' | head -n 3 | tr -s ' \t\n' ' ')"
 say "passed"

@@ -222,7 +222,11 @@ int sweep(const SweepArguments& arguments, const CommonArguments& common) {
   if (arguments.retry_failed) forget_failed(folder, read_state(sweep, folder).results);
   if (arguments.report) return report(sweep, folder, common);
   if (!arguments.slurm.empty()) {
-    submit_sweep(sweep, folder, read_state(sweep, folder), arguments.slurm, means.threads, means.data, means.program);
+    std::vector<std::string> command = {own_path(), "sweep", folder.sweep_file(), "--out", folder.path(), "--threads",
+                                        std::to_string(means.threads)};
+    if (!means.data.empty()) command.insert(command.end(), {"--data", means.data});
+    if (!arguments.program.empty()) command.insert(command.end(), {"--program", means.program});
+    submit_sweep(sweep, folder, read_state(sweep, folder), arguments.slurm, means.threads, command);
     return kVerified;
   }
   return run_here(sweep, folder, means, common.json);

@@ -47,7 +47,7 @@ void write_list(const SweepFolder& folder, const SweepState& state) {
 }  // namespace
 
 void submit_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepState& state, const std::string& slurm,
-                  std::int64_t threads, const std::string& data, const std::string& program) {
+                  std::int64_t threads, std::vector<std::string> command) {
   const SlurmOptions options = parse_slurm(slurm);
   if (state.complete()) {
     fmt::print("{}: all {} trials have a result, nothing to submit\n", sweep.options.name, state.trials.size());
@@ -65,9 +65,6 @@ void submit_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepStat
   write_list(folder, state);
   for (const std::int64_t trial : state.missing) folder.make_run_folder(trial);
 
-  std::vector<std::string> command = {program, "sweep", folder.sweep_file(), "--out", folder.path(), "--threads",
-                                      std::to_string(threads)};
-  if (!data.empty()) command.insert(command.end(), {"--data", data});
   std::vector<std::string> task = command;
   task.insert(task.end(),
               {"--jobs", "1", "--rung", std::to_string(state.rung), "--only", "$first-$last"});

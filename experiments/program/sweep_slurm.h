@@ -9,9 +9,9 @@
 namespace s2nnds::program {
 
 // Submits what is missing of the current rung as one job array and, when rungs follow, a job that submits the next one.
-// Does nothing while jobs of the sweep are in the queue.
+// Does nothing while jobs of the sweep are in the queue. `command` is that of a sweep in this folder.
 void submit_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepState& state, const std::string& slurm,
-                  std::int64_t threads, const std::string& data, const std::string& program);
+                  std::int64_t threads, std::vector<std::string> command);
 
 // The trials of a job array's task: places "FIRST-LAST" in the list of the rung. Without reading the results of all
 // others, which would be as many reads as there are tasks times trials.
