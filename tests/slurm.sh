@@ -212,5 +212,21 @@ say "sbatch took $(echo "$(date +%s.%N) $began" | awk '{printf "%.1f", $1 - $2}'
 await "the queue to be empty" 900 queue_is_empty
 say "100 tasks took $(echo "$(date +%s.%N) $began" | awk '{printf "%.0f", $1 - $2}') s, two at once; $(results) results"
 [[ $(results) -eq 2000 ]] || stop "expected 2000 results, found $(results)"
-say "scheduler: $(sdiag | grep -E 'Mean cycle|Max cycle|Mean depth' | head -n 3 | tr -s ' \t\n' ' ')"
+sdiag_text=$(sdiag)
+
+# ---- successive halving: the second rung is submitted by a job that waits for the first
+cat >>"$work/many.toml" <<'EOF'
+
+[halving]
+key = "training.steps"
+budgets = [5, 10, 20]
+keep = 0.25
+EOF
+sed -e 's/^points = 1000/points = 16/' -e 's/^name = .*/name = "halving"/' "$work/many.toml" >"$work/halving.toml"
+out=$work/halving
+(cd "$work" && "$program" sweep halving.toml --out halving --program "$work/stub" --slurm partition=test,time=00:20:00,chunk=4)
+await "all rungs to be over" 300 queue_is_empty
+[[ $(results) -eq 42 ]] || stop "expected 32 + 8 + 2 results of three rungs, found $(results)"
+say "halving: $(results) results of three rungs, $(grep -c . "$out/slurm/jobs.txt") jobs, each rung submitted by the job before"
+say "scheduler: $(grep -E 'Mean cycle|Max cycle|Mean depth' <<<"$sdiag_text"| head -n 3 | tr -s ' \t\n' ' ')"
 say "passed"

@@ -63,7 +63,6 @@ void submit_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepStat
     return;
   }
   write_list(folder, state);
-  for (const std::int64_t trial : state.missing) folder.make_run_folder(trial);
 
   std::vector<std::string> task = command;
   task.insert(task.end(),
