@@ -14,7 +14,8 @@ extern char** environ;
 
 namespace s2nnds::program {
 
-int run_python(const std::string& command, const std::string& script, const std::vector<std::string>& arguments) {
+int run_python(const std::string& command, const std::string& script,
+               const std::vector<std::string>& arguments) {
   const char* wish = std::getenv("S2NNDS_PYTHON");
   const std::string python = wish ? wish : "/usr/bin/python3";
   std::vector<std::string> words = {python, script};
@@ -25,7 +26,8 @@ int run_python(const std::string& command, const std::string& script, const std:
   std::fflush(nullptr);
   pid_t child = 0;
   const int error = ::posix_spawn(&child, python.c_str(), nullptr, nullptr, argv.data(), environ);
-  check(error == 0, "{}: cannot start {} (set S2NNDS_PYTHON to a Python with matplotlib and h5py)", command, python);
+  check(error == 0, "{}: cannot start {} (set S2NNDS_PYTHON to a Python with matplotlib and h5py)", command,
+        python);
   int status = 0;
   ::waitpid(child, &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : kInternalFailure;

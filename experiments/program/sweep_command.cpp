@@ -67,8 +67,8 @@ Means means_of(const Sweep& sweep, const SweepArguments& arguments, const Common
   const int room = std::max(1, static_cast<int>(cores / means.threads));
   means.jobs = arguments.jobs > 0 ? std::min(arguments.jobs, room) : room;
   if (arguments.jobs > room) {
-    fmt::print(stderr, "{} trials of {} threads would be more than the {} cores; running {} at once\n", arguments.jobs,
-               means.threads, cores, means.jobs);
+    fmt::print(stderr, "{} trials of {} threads would be more than the {} cores; running {} at once\n",
+               arguments.jobs, means.threads, cores, means.jobs);
   }
   return means;
 }
@@ -109,8 +109,9 @@ class LocalSweep {
   void start(std::int64_t trial) {
     folder_.make_run_folder(trial);
     PoolJob job{trial, {}, folder_.log(trial)};
-    job.command = {means_.program, "sweep", folder_.sweep_file(), "--out", folder_.path(), "--trial",
-                   std::to_string(trial), "--threads", std::to_string(means_.threads)};
+    job.command = {
+        means_.program,        "sweep",     folder_.sweep_file(),          "--out", folder_.path(), "--trial",
+        std::to_string(trial), "--threads", std::to_string(means_.threads)};
     if (!means_.data.empty()) job.command.insert(job.command.end(), {"--data", means_.data});
     pool_.start(job);
   }
@@ -122,8 +123,9 @@ class LocalSweep {
     result.trial = end.id;
     result.failed = true;
     result.seconds = end.seconds;
-    result.error = end.signal != 0 ? fmt::format("killed by signal {}, {} times", end.signal, killed_.at(end.id))
-                                   : fmt::format("ended with exit code {} and no result", end.exit_code);
+    result.error = end.signal != 0
+                       ? fmt::format("killed by signal {}, {} times", end.signal, killed_.at(end.id))
+                       : fmt::format("ended with exit code {} and no result", end.exit_code);
     write_result(folder_.result(end.id), result);
     return result;
   }
@@ -147,7 +149,8 @@ int interrupted() {
 }
 
 // A task of a job array: its part of the list, one after another. Slurm starts it again after a node failed.
-int run_task(const Sweep& sweep, const SweepFolder& folder, const SweepArguments& arguments, const Means& means) {
+int run_task(const Sweep& sweep, const SweepFolder& folder, const SweepArguments& arguments,
+             const Means& means) {
   std::vector<std::int64_t> missing;
   std::vector<TrialResult> there;
   for (const std::int64_t trial : trials_of_task(sweep, folder, arguments.rung, arguments.only)) {
@@ -184,15 +187,16 @@ int report(const Sweep& sweep, const SweepFolder& folder, const CommonArguments&
   const SweepState state = read_state(sweep, folder);
   check(!state.results.empty(), "{}: found no results yet, expected some to report", folder.path());
   write_tables(sweep, folder, state);
-  const int drawn =
-      run_python("sweep --report", S2NNDS_PLOT_SWEEP_SCRIPT, {folder.file("table.h5"), "--out", folder.file("figures")});
+  const int drawn = run_python("sweep --report", S2NNDS_PLOT_SWEEP_SCRIPT,
+                               {folder.file("table.h5"), "--out", folder.file("figures")});
   const bool reached = print_report(sweep, folder, state, common.json);
   return drawn != 0 ? drawn : reached ? kVerified : kNotVerified;
 }
 
 void check_arguments(const SweepArguments& arguments) {
-  const int modes = (arguments.dry_run ? 1 : 0) + (arguments.report ? 1 : 0) + (arguments.slurm.empty() ? 0 : 1) +
-                    (arguments.trial ? 1 : 0) + (arguments.only.empty() ? 0 : 1);
+  const int modes = (arguments.dry_run ? 1 : 0) + (arguments.report ? 1 : 0) +
+                    (arguments.slurm.empty() ? 0 : 1) + (arguments.trial ? 1 : 0) +
+                    (arguments.only.empty() ? 0 : 1);
   check(modes <= 1, "sweep: expected at most one of --dry-run, --report, --slurm, --trial and --only");
 }
 
@@ -222,8 +226,8 @@ int sweep(const SweepArguments& arguments, const CommonArguments& common) {
   if (arguments.retry_failed) forget_failed(folder, read_state(sweep, folder).results);
   if (arguments.report) return report(sweep, folder, common);
   if (!arguments.slurm.empty()) {
-    std::vector<std::string> command = {own_path(), "sweep", folder.sweep_file(), "--out", folder.path(), "--threads",
-                                        std::to_string(means.threads)};
+    std::vector<std::string> command = {own_path(),    "sweep",     folder.sweep_file(),          "--out",
+                                        folder.path(), "--threads", std::to_string(means.threads)};
     if (!means.data.empty()) command.insert(command.end(), {"--data", means.data});
     if (!arguments.program.empty()) command.insert(command.end(), {"--program", means.program});
     submit_sweep(sweep, folder, read_state(sweep, folder), arguments.slurm, means.threads, command);

@@ -10,8 +10,8 @@ namespace s2nnds::program {
 
 struct SweepArguments {
   std::string sweep;
-  std::string out;    // folder; default NAME-sweep
-  int jobs = 0;       // trials at once; 0: as many as there are cores for
+  std::string out;  // folder; default NAME-sweep
+  int jobs = 0;     // trials at once; 0: as many as there are cores for
   bool dry_run = false;
   bool report = false;
   bool retry_failed = false;

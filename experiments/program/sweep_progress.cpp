@@ -17,7 +17,8 @@ std::string figure(double value) { return std::isnan(value) ? "none" : fmt::form
 
 }  // namespace
 
-SweepProgress::SweepProgress(const Sweep& sweep, const std::vector<TrialResult>& before, std::size_t missing, int jobs)
+SweepProgress::SweepProgress(const Sweep& sweep, const std::vector<TrialResult>& before, std::size_t missing,
+                             int jobs)
     : sweep_(sweep),
       terminal_(::isatty(::fileno(stderr)) == 1),
       jobs_(jobs),
@@ -56,8 +57,8 @@ void SweepProgress::ended(const TrialResult& result) {
   if (result.failed) {
     note(fmt::format("trial={} failed: {}", result.trial, result.error));
   } else if (!terminal_) {
-    note(fmt::format("{}/{} trial={} guarantee={} {}={} seconds={:.1f} best={} failed={} left={}", ended_, total_,
-                     result.trial, result.guarantee, sweep_.options.objective,
+    note(fmt::format("{}/{} trial={} guarantee={} {}={} seconds={:.1f} best={} failed={} left={}", ended_,
+                     total_, result.trial, result.guarantee, sweep_.options.objective,
                      figure(result.metric(sweep_.options.objective)), result.seconds, best_text(), failed_,
                      left_text()));
   }
@@ -72,8 +73,8 @@ void SweepProgress::note(const std::string& line) {
 void SweepProgress::draw(std::size_t running) {
   if (!terminal_) return;
   clear();
-  fmt::print(stderr, "{}/{} trials, {} running ({} at once), {} failed, best {} {}, left {}", ended_, total_, running,
-             jobs_, failed_, sweep_.options.objective, best_text(), left_text());
+  fmt::print(stderr, "{}/{} trials, {} running ({} at once), {} failed, best {} {}, left {}", ended_, total_,
+             running, jobs_, failed_, sweep_.options.objective, best_text(), left_text());
   std::fflush(stderr);
 }
 

@@ -8,16 +8,16 @@
 
 namespace s2nnds::program {
 
-// What a sweep on this machine says on stderr. A terminal gets one line that is drawn anew, a pipe one plain line a
-// trial.
+// What a sweep on this machine says on stderr. A terminal gets one line that is drawn anew, a pipe one plain
+// line a trial.
 class SweepProgress {
  public:
   // `before`: the results that are there already; `missing`: trials to run.
   SweepProgress(const Sweep& sweep, const std::vector<TrialResult>& before, std::size_t missing, int jobs);
 
   void ended(const TrialResult& result);
-  void note(const std::string& line);      // something that is worth a line of its own
-  void draw(std::size_t running);          // terminals: time goes on
+  void note(const std::string& line);  // something that is worth a line of its own
+  void draw(std::size_t running);      // terminals: time goes on
   void finish();
 
  private:

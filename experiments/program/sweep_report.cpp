@@ -24,12 +24,13 @@ std::string settings_text(const Sweep& sweep, std::int64_t point) {
 }
 
 void print_ranking(const Sweep& sweep, const std::vector<PointScore>& ranking) {
-  fmt::print("{:>4} {:>6} {:>10} {:>8} {:>14}  settings\n", "rank", "point", "trials", "share", sweep.options.objective);
+  fmt::print("{:>4} {:>6} {:>10} {:>8} {:>14}  settings\n", "rank", "point", "trials", "share",
+             sweep.options.objective);
   for (std::size_t i = 0; i < std::min(shown_points, ranking.size()); ++i) {
     const PointScore& score = ranking[i];
     const std::string trials = fmt::format("{}/{}", score.trials - score.failed, sweep.trials_a_point());
-    fmt::print("{:>4} {:>6} {:>10} {:>8.3g} {:>14.4g}  {}\n", i + 1, score.point, trials, score.share, score.objective,
-               settings_text(sweep, score.point));
+    fmt::print("{:>4} {:>6} {:>10} {:>8.3g} {:>14.4g}  {}\n", i + 1, score.point, trials, score.share,
+               score.objective, settings_text(sweep, score.point));
   }
   if (ranking.size() > shown_points) fmt::print("and {} more points\n", ranking.size() - shown_points);
 }
@@ -55,7 +56,8 @@ void print_trials(const Sweep& sweep, bool json) {
              sweep.trials_a_rung());
   if (sweep.options.rungs() > 1) {
     fmt::print("successive halving: {} = {}; the best {:.3g} of the points go on each time\n",
-               sweep.options.halving.key, fmt::join(sweep.options.halving.budgets, ", "), sweep.options.halving.keep);
+               sweep.options.halving.key, fmt::join(sweep.options.halving.budgets, ", "),
+               sweep.options.halving.keep);
   }
   ordered_json list = ordered_json::array();
   for (std::int64_t id = 0; id < sweep.trials_a_rung(); ++id) {
@@ -63,7 +65,8 @@ void print_trials(const Sweep& sweep, bool json) {
     const BaseConfig& base = sweep.configs[trial.config];
     const std::int64_t seed = sweep.options.seeds[trial.seed];
     if (json) {
-      list.push_back({{"trial", id}, {"config", base.name}, {"seed", seed}, {"settings", sweep.settings(trial)}});
+      list.push_back(
+          {{"trial", id}, {"config", base.name}, {"seed", seed}, {"settings", sweep.settings(trial)}});
     } else {
       fmt::print("{:>7} {} seed={} {}\n", id, base.name, seed, settings_text(sweep, trial.point));
     }
@@ -80,8 +83,8 @@ void write_tables(const Sweep& sweep, const SweepFolder& folder, const SweepStat
 bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepState& state, bool json) {
   std::int64_t failed = 0;
   for (const TrialResult& result : state.results) failed += result.failed ? 1 : 0;
-  fmt::print("{}: {} trials ended, {} of them failed, {} missing", sweep.options.name, state.results.size(), failed,
-             state.missing.size());
+  fmt::print("{}: {} trials ended, {} of them failed, {} missing", sweep.options.name, state.results.size(),
+             failed, state.missing.size());
   if (sweep.options.rungs() > 1) fmt::print("; rung {} of {}", state.rung + 1, sweep.options.rungs());
   fmt::print("\n");
   const std::vector<PointScore> ranking = rank_points(sweep, state.of_rung);
@@ -89,8 +92,11 @@ bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepStat
   fmt::print("tables {} and table.csv\n", folder.file("table.h5"));
   const bool reached = !ranking.empty() && ranking.front().feasible;
   if (json) {
-    ordered_json summary = {{"name", sweep.options.name}, {"ended", state.results.size()}, {"failed", failed},
-                            {"missing", state.missing.size()}, {"rung", state.rung}};
+    ordered_json summary = {{"name", sweep.options.name},
+                            {"ended", state.results.size()},
+                            {"failed", failed},
+                            {"missing", state.missing.size()},
+                            {"rung", state.rung}};
     summary["best"] = ranking.empty() ? ordered_json(nullptr) : best_json(sweep, ranking.front());
     summary["table"] = folder.file("table.h5");
     fmt::print("{}\n", summary.dump());

@@ -46,11 +46,12 @@ void write_list(const SweepFolder& folder, const SweepState& state) {
 
 }  // namespace
 
-void submit_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepState& state, const std::string& slurm,
-                  std::int64_t threads, std::vector<std::string> command) {
+void submit_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepState& state,
+                  const std::string& slurm, std::int64_t threads, std::vector<std::string> command) {
   const SlurmOptions options = parse_slurm(slurm);
   if (state.complete()) {
-    fmt::print("{}: all {} trials have a result, nothing to submit\n", sweep.options.name, state.trials.size());
+    fmt::print("{}: all {} trials have a result, nothing to submit\n", sweep.options.name,
+               state.trials.size());
     return;
   }
   fs::create_directories(folder.file("slurm"));
@@ -65,16 +66,15 @@ void submit_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepStat
   write_list(folder, state);
 
   std::vector<std::string> task = command;
-  task.insert(task.end(),
-              {"--jobs", "1", "--rung", std::to_string(state.rung), "--only", "$first-$last"});
+  task.insert(task.end(), {"--jobs", "1", "--rung", std::to_string(state.rung), "--only", "$first-$last"});
   const auto total = static_cast<std::int64_t>(state.trials.size());
   const std::int64_t chunk = chunk_of(options, total);
   const std::string array = array_text(places_of(state), chunk);
   const std::string script = folder.file(fmt::format("slurm/array-{}.sh", jobs.size()));
   replace_file(script, batch_script(sweep, folder, options, array, chunk, threads, task));
   jobs.push_back(submit(script, {}));
-  fmt::print("{}: job {}: {} trials, {} a task, tasks {}\n", sweep.options.name, jobs.back(), state.missing.size(),
-             chunk, array);
+  fmt::print("{}: job {}: {} trials, {} a task, tasks {}\n", sweep.options.name, jobs.back(),
+             state.missing.size(), chunk, array);
   if (state.rung + 1 < sweep.options.rungs()) {
     command.insert(command.end(), {"--slurm", slurm});
     const std::string next = folder.file("slurm/next.sh");
@@ -95,7 +95,8 @@ std::vector<std::int64_t> trials_of_task(const Sweep& sweep, const SweepFolder& 
   check(rung < sweep.options.rungs(), "--rung: found {}, expected 0 to {}", rung, sweep.options.rungs() - 1);
   std::vector<std::int64_t> trials;
   if (rung == 0) {
-    for (std::int64_t k = first; k <= std::min<std::int64_t>(last, sweep.trials_a_rung() - 1); ++k) trials.push_back(k);
+    for (std::int64_t k = first; k <= std::min<std::int64_t>(last, sweep.trials_a_rung() - 1); ++k)
+      trials.push_back(k);
     return trials;
   }
   const std::vector<std::string> list = words_of(list_file(folder, rung));

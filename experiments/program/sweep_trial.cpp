@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Rounds that the rung before has trained already need not be trained again.
-void take_over(const Sweep& sweep, const SweepFolder& folder, const Trial& trial, const CommonArguments& common) {
+void take_over(const Sweep& sweep, const SweepFolder& folder, const Trial& trial,
+               const CommonArguments& common) {
   if (trial.rung == 0 || sweep.options.halving.key != "training.rounds") return;
   const std::string earlier = folder.run(trial.id - sweep.trials_a_rung());
   if (!fs::exists(earlier)) return;
@@ -26,7 +27,8 @@ void take_over(const Sweep& sweep, const SweepFolder& folder, const Trial& trial
                folder.run(trial.id));
 }
 
-int train_trial(const Sweep& sweep, const SweepFolder& folder, const Trial& trial, const CommonArguments& common) {
+int train_trial(const Sweep& sweep, const SweepFolder& folder, const Trial& trial,
+                const CommonArguments& common) {
   TrainArguments arguments;
   const std::string run = folder.run(trial.id);
   if (!fs::exists(run)) take_over(sweep, folder, trial, common);

@@ -15,7 +15,8 @@ std::string key_text(std::string_view key);      // quoted where it must be
 std::string toml_text(bool value);
 std::string toml_text(std::int64_t value);
 std::string toml_text(const std::string& value);
-// The shortest text that reads back to the same double; with a point or an exponent, since TOML tells integers apart.
+// The shortest text that reads back to the same double; with a point or an exponent, since TOML tells
+// integers apart.
 std::string toml_text(double value);
 std::string toml_text(const toml::node& node);
 

@@ -21,7 +21,8 @@ class AxisReader {
  public:
   AxisReader(std::string source) : source_(std::move(source)) {}
 
-  // A table that has none of an axis's words is the first part of a dotted key that was written without quotes.
+  // A table that has none of an axis's words is the first part of a dotted key that was written without
+  // quotes.
   void read_table(const toml::table& table, const std::string& prefix) {
     for (const auto& [key, node] : table) {
       const std::string name = prefix + std::string(key.str());
@@ -105,7 +106,8 @@ class AxisReader {
 
   void read_range(Axis& axis, const toml::node& node) const {
     const auto* array = node.as_array();
-    const bool two = array != nullptr && array->size() == 2 && (*array)[0].is_number() && (*array)[1].is_number();
+    const bool two =
+        array != nullptr && array->size() == 2 && (*array)[0].is_number() && (*array)[1].is_number();
     check(two, "{}: expected a range of two numbers, found {}", where(node, axis.key), toml_text(node));
     axis.low = *(*array)[0].value<double>();
     axis.high = *(*array)[1].value<double>();
@@ -118,8 +120,8 @@ class AxisReader {
 
   void read_also(Axis& axis, const toml::node& node) const {
     const auto* array = node.as_array();
-    check(array != nullptr && array->is_homogeneous<std::string>(), "{}: also: expected a list of keys, found {}",
-          where(node, axis.key), toml_text(node));
+    check(array != nullptr && array->is_homogeneous<std::string>(),
+          "{}: also: expected a list of keys, found {}", where(node, axis.key), toml_text(node));
     for (const toml::node& key : *array) axis.also.push_back(*key.value<std::string>());
   }
 
@@ -135,7 +137,8 @@ std::string Axis::at(double u) const {
     return values[std::min(index, values.size() - 1)];
   }
   if (logarithmic) return number_text(low * std::pow(high / low, u), integer, drawn_digits);
-  if (integer) return number_text(std::min(high, low + std::floor(u * (high - low + 1.0))), true, drawn_digits);
+  if (integer)
+    return number_text(std::min(high, low + std::floor(u * (high - low + 1.0))), true, drawn_digits);
   return number_text(low + u * (high - low), false, drawn_digits);
 }
 

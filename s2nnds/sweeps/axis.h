@@ -6,8 +6,8 @@
 
 namespace s2nnds {
 
-// One axis of a sweep: a dotted key of the configuration, others that take the same value, and what values. Values are
-// kept as TOML text, since that is what a configuration is overridden with.
+// One axis of a sweep: a dotted key of the configuration, others that take the same value, and what values.
+// Values are kept as TOML text, since that is what a configuration is overridden with.
 struct Axis {
   std::string key;
   std::vector<std::string> also;
@@ -22,8 +22,8 @@ struct Axis {
 
   // The value at u in [0, 1): lists and integers in equal shares.
   std::string at(double u) const;
-  // The values of a grid: the list, or `count` values from end to end (whole numbers: without repetitions). Throws Error
-  // when a range has no count.
+  // The values of a grid: the list, or `count` values from end to end (whole numbers: without repetitions).
+  // Throws Error when a range has no count.
   std::vector<std::string> grid() const;
   // The list, or the ends of the range: when these are admissible, so is what lies between.
   std::vector<std::string> extremes() const;

@@ -14,7 +14,8 @@ std::vector<DesignPoint> grid(const std::vector<Axis>& axes) {
   std::vector<DesignPoint> points = {{}};
   for (const Axis& axis : axes) {
     const std::vector<std::string> values = axis.grid();
-    check(points.size() * values.size() <= most_points, "axes: the grid has more than {} points", most_points);
+    check(points.size() * values.size() <= most_points, "axes: the grid has more than {} points",
+          most_points);
     std::vector<DesignPoint> longer;
     longer.reserve(points.size() * values.size());
     for (const DesignPoint& point : points) {

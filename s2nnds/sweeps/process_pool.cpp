@@ -27,8 +27,9 @@ std::vector<std::string> environment_with(const std::vector<std::pair<std::strin
   std::vector<std::string> all;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string text = *entry;
-    const bool changed = std::any_of(changes.begin(), changes.end(),
-                                     [&](const auto& change) { return text.starts_with(change.first + "="); });
+    const bool changed = std::any_of(changes.begin(), changes.end(), [&](const auto& change) {
+      return text.starts_with(change.first + "=");
+    });
     if (!changed) all.push_back(text);
   }
   for (const auto& [name, value] : changes) all.push_back(name + "=" + value);
@@ -42,7 +43,8 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
   return all;
 }
 
-// In the child, between fork and exec: system calls only. Its own process group keeps a Ctrl-C of the terminal from it.
+// In the child, between fork and exec: system calls only. Its own process group keeps a Ctrl-C of the
+// terminal from it.
 [[noreturn]] void become(char** arguments, char** environment, int log, pid_t parent, const sigset_t& mask) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -84,7 +86,8 @@ void ProcessPool::start(const PoolJob& job) {
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
   if (child == 0) {
-    become(const_cast<char**>(arguments.data()), const_cast<char**>(environment.data()), log, parent, before_);
+    become(const_cast<char**>(arguments.data()), const_cast<char**>(environment.data()), log, parent,
+           before_);
   }
   ::close(log);
   check(child > 0, "{}: cannot start it: {}", job.command[0], std::strerror(errno));

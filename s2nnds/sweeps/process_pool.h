@@ -25,8 +25,8 @@ struct PoolEnd {
   double seconds = 0.0;
 };
 
-// Child processes, of which none outlives this process: the kernel kills them when it ends, however it ends. While a
-// pool lives, SIGINT and SIGTERM are taken by wait(). To be used from one thread.
+// Child processes, of which none outlives this process: the kernel kills them when it ends, however it ends.
+// While a pool lives, SIGINT and SIGTERM are taken by wait(). To be used from one thread.
 class ProcessPool {
  public:
   explicit ProcessPool(std::vector<std::pair<std::string, std::string>> environment);

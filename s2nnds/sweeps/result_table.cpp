@@ -45,7 +45,8 @@ TableColumn texts(const std::string& name, const std::vector<Row>& rows, Value v
 
 // TOML strings lose their quotes, all else stays as it is written.
 std::string plain(const std::string& toml) {
-  const bool quoted = toml.size() >= 2 && (toml.front() == '"' || toml.front() == '\'') && toml.back() == toml.front();
+  const bool quoted =
+      toml.size() >= 2 && (toml.front() == '"' || toml.front() == '\'') && toml.back() == toml.front();
   return quoted ? toml.substr(1, toml.size() - 2) : toml;
 }
 
@@ -57,8 +58,8 @@ bool is_number(const std::string& text) {
 
 // An axis of numbers becomes a column of numbers.
 TableColumn axis_column(const Sweep& sweep, std::size_t axis, const std::vector<Row>& rows) {
-  TableColumn column =
-      texts(sweep.axes[axis].key, rows, [&](const Row& row) { return plain(sweep.points[row.trial.point][axis]); });
+  TableColumn column = texts(sweep.axes[axis].key, rows,
+                             [&](const Row& row) { return plain(sweep.points[row.trial.point][axis]); });
   for (const std::string& text : column.texts) {
     if (!is_number(text)) return column;
   }
@@ -107,8 +108,10 @@ ResultTable make_table(const Sweep& sweep, const SweepState& state) {
   columns.push_back(numbers("trial", rows, [](const Row& row) { return row.trial.id; }));
   columns.push_back(numbers("rung", rows, [](const Row& row) { return row.trial.rung; }));
   columns.push_back(numbers("point", rows, [](const Row& row) { return row.trial.point; }));
-  columns.push_back(texts("config", rows, [&](const Row& row) { return sweep.configs[row.trial.config].name; }));
-  columns.push_back(numbers("seed", rows, [&](const Row& row) { return sweep.options.seeds[row.trial.seed]; }));
+  columns.push_back(
+      texts("config", rows, [&](const Row& row) { return sweep.configs[row.trial.config].name; }));
+  columns.push_back(
+      numbers("seed", rows, [&](const Row& row) { return sweep.options.seeds[row.trial.seed]; }));
   for (std::size_t axis = 0; axis < sweep.axes.size(); ++axis) {
     columns.push_back(axis_column(sweep, axis, rows));
     table.axes.push_back(sweep.axes[axis].key);
@@ -118,16 +121,17 @@ ResultTable make_table(const Sweep& sweep, const SweepState& state) {
   }));
   columns.push_back(
       texts("error", rows, [](const Row& row) { return row.result == nullptr ? "" : row.result->error; }));
-  columns.push_back(
-      texts("guarantee", rows, [](const Row& row) { return row.result == nullptr ? "" : row.result->guarantee; }));
+  columns.push_back(texts("guarantee", rows,
+                          [](const Row& row) { return row.result == nullptr ? "" : row.result->guarantee; }));
   columns.push_back(numbers("meets_guarantee", rows, [&](const Row& row) {
     return row.result != nullptr && meets_guarantee(sweep.options, *row.result) ? 1.0 : 0.0;
   }));
-  columns.push_back(
-      numbers("seconds", rows, [](const Row& row) { return row.result == nullptr ? nothing : row.result->seconds; }));
+  columns.push_back(numbers(
+      "seconds", rows, [](const Row& row) { return row.result == nullptr ? nothing : row.result->seconds; }));
   for (const std::string& name : metric_names(rows)) {
-    columns.push_back(numbers(
-        name, rows, [&](const Row& row) { return row.result == nullptr ? nothing : row.result->metric(name); }));
+    columns.push_back(numbers(name, rows, [&](const Row& row) {
+      return row.result == nullptr ? nothing : row.result->metric(name);
+    }));
   }
   columns.push_back(texts("run", rows, [](const Row& row) { return SweepFolder::run_name(row.trial.id); }));
   return table;

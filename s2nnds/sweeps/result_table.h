@@ -8,8 +8,8 @@
 
 namespace s2nnds {
 
-// One row a trial: trial, rung, point, config, seed, every axis, status (done, failed, missing), error, guarantee,
-// meets_guarantee, seconds, every metric, run (the run file, relative to the sweep's folder).
+// One row a trial: trial, rung, point, config, seed, every axis, status (done, failed, missing), error,
+// guarantee, meets_guarantee, seconds, every metric, run (the run file, relative to the sweep's folder).
 struct TableColumn {
   std::string name;
   bool is_text = false;
@@ -27,7 +27,8 @@ ResultTable make_table(const Sweep& sweep, const SweepState& state);
 // Text columns quoted where they must be, numbers with all their digits, NaN as nothing.
 std::string to_csv(const ResultTable& table);
 
-// /trials/COLUMN, one dataset each; attributes of the file: name, objective, direction, guarantee, axes, columns.
+// /trials/COLUMN, one dataset each; attributes of the file: name, objective, direction, guarantee, axes,
+// columns.
 void write_table(const std::string& path, const ResultTable& table, const SweepOptions& options);
 
 }  // namespace s2nnds

@@ -12,7 +12,8 @@ std::vector<TrialResult> read_results(const SweepFolder& folder, const std::vect
   return results;
 }
 
-std::vector<std::int64_t> trials_of(const Sweep& sweep, std::int64_t rung, const std::vector<std::int64_t>& points) {
+std::vector<std::int64_t> trials_of(const Sweep& sweep, std::int64_t rung,
+                                    const std::vector<std::int64_t>& points) {
   std::vector<std::int64_t> trials;
   for (const std::int64_t point : points) {
     const std::int64_t first = sweep.id_of(rung, point);

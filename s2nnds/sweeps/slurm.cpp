@@ -37,7 +37,8 @@ Output run(const std::vector<std::string>& words) {
   check(pipe != nullptr, "{}: cannot start it", words.front());
   Output output;
   char buffer[4096];
-  while (const std::size_t count = std::fread(buffer, 1, sizeof(buffer), pipe)) output.text.append(buffer, count);
+  while (const std::size_t count = std::fread(buffer, 1, sizeof(buffer), pipe))
+    output.text.append(buffer, count);
   output.status = ::pclose(pipe);
   std::replace(output.text.begin(), output.text.end(), '\n', ' ');
   while (output.text.ends_with(' ')) output.text.pop_back();
@@ -45,8 +46,9 @@ Output run(const std::vector<std::string>& words) {
 }
 
 std::int64_t parse_count(const std::string& name, const std::string& value) {
-  const bool digits = !value.empty() && value.size() < 10 &&
-                      std::all_of(value.begin(), value.end(), [](unsigned char c) { return std::isdigit(c); });
+  const bool digits =
+      !value.empty() && value.size() < 10 &&
+      std::all_of(value.begin(), value.end(), [](unsigned char c) { return std::isdigit(c); });
   check(digits && std::stol(value) >= 1, "--slurm: {}: expected an integer >= 1, found \"{}\"", name, value);
   return std::stol(value);
 }
@@ -132,8 +134,8 @@ std::string batch_script(const Sweep& sweep, const SweepFolder& folder, const Sl
   text += fmt::format("#SBATCH --ntasks=1\n#SBATCH --cpus-per-task={}\n", threads);
   if (!options.time.empty()) text += "#SBATCH --time=" + options.time + "\n";
   if (!options.mem.empty()) text += "#SBATCH --mem=" + options.mem + "\n";
-  text += "#SBATCH --requeue\n";               // when a node fails
-  text += "#SBATCH --signal=B:TERM@30\n";      // before the time is over: the trials' last rounds are on the disk
+  text += "#SBATCH --requeue\n";           // when a node fails
+  text += "#SBATCH --signal=B:TERM@30\n";  // before the time is over: the trials' last rounds are on the disk
   text += fmt::format("first=$((SLURM_ARRAY_TASK_ID * {0}))\nlast=$((first + {1}))\n", chunk, chunk - 1);
   text += "echo \"$(date -Is) $(hostname): task $SLURM_ARRAY_TASK_ID, start ${SLURM_RESTART_COUNT:-0}\"\n";
   return text + "exec " + command_line(command) + "\n";
@@ -158,7 +160,8 @@ std::vector<std::string> active_jobs(const std::vector<std::string>& jobs) {
   std::vector<std::string> active;
   for (const std::string& job : jobs) {
     const Output output = run({"squeue", "--noheader", "--jobs=" + job});
-    if (output.status == 0 && !output.text.empty()) active.push_back(job);  // an error: Slurm has forgotten the job
+    if (output.status == 0 && !output.text.empty())
+      active.push_back(job);  // an error: Slurm has forgotten the job
   }
   return active;
 }

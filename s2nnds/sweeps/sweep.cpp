@@ -42,8 +42,8 @@ void check_keys(const Sweep& sweep, const std::string& path) {
     std::vector<std::string> keys = axis.also;
     keys.push_back(axis.key);
     for (const std::string& key : keys) {
-      check(seen.insert(key).second, "{}:{}: axes: {}: the sweep sets this key elsewhere already", path, axis.line,
-            key);
+      check(seen.insert(key).second, "{}:{}: axes: {}: the sweep sets this key elsewhere already", path,
+            axis.line, key);
     }
   }
 }
@@ -93,7 +93,9 @@ std::int64_t Sweep::trials_a_point() const {
   return static_cast<std::int64_t>(configs.size() * options.seeds.size());
 }
 
-std::int64_t Sweep::trials_a_rung() const { return static_cast<std::int64_t>(points.size()) * trials_a_point(); }
+std::int64_t Sweep::trials_a_rung() const {
+  return static_cast<std::int64_t>(points.size()) * trials_a_point();
+}
 
 std::int64_t Sweep::id_of(std::int64_t rung, std::int64_t point) const {
   return rung * trials_a_rung() + point * trials_a_point();

@@ -14,8 +14,8 @@ struct BaseConfig {
   std::string text;
 };
 
-// One run of a sweep. Its number says which: ((rung * points + point) * configs + config) * seeds + seed, each counted
-// from 0.
+// One run of a sweep. Its number says which: ((rung * points + point) * configs + config) * seeds + seed,
+// each counted from 0.
 struct Trial {
   std::int64_t id = 0;
   std::int64_t rung = 0;
@@ -40,8 +40,8 @@ struct Sweep {
   std::vector<std::string> settings(const Trial& trial) const;
 };
 
-// Reads the sweep's file and its configurations, and tries every value of every axis on each configuration, so that a
-// misspelt key or a value out of range is refused before anything starts. Throws Error.
+// Reads the sweep's file and its configurations, and tries every value of every axis on each configuration,
+// so that a misspelt key or a value out of range is refused before anything starts. Throws Error.
 Sweep read_sweep(const std::string& path);
 
 }  // namespace s2nnds

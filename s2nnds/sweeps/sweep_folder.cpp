@@ -17,9 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t runs_a_folder = 1000;
 
-std::string stem(std::int64_t trial) {
-  return fmt::format("runs/{:04}/{:07}", trial / runs_a_folder, trial);
-}
+std::string stem(std::int64_t trial) { return fmt::format("runs/{:04}/{:07}", trial / runs_a_folder, trial); }
 
 std::string read_whole(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -49,8 +47,9 @@ void freeze_file(const std::string& folder, const std::string& path, const std::
     return;
   }
   check(read_whole(path) == text,
-        "{}: found another sweep in the folder {}; expected the same one to go on with (or choose another --out)", path,
-        folder);
+        "{}: found another sweep in the folder {}; expected the same one to go on with (or choose another "
+        "--out)",
+        path, folder);
 }
 
 }  // namespace

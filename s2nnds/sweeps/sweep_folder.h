@@ -29,8 +29,8 @@ class SweepFolder {
   std::string log(std::int64_t trial) const;
   void make_run_folder(std::int64_t trial) const;
 
-  // Copies the sweep's file and its configurations here; the copy is a sweep's file of the same trials. Throws Error
-  // when the folder holds another sweep already.
+  // Copies the sweep's file and its configurations here; the copy is a sweep's file of the same trials.
+  // Throws Error when the folder holds another sweep already.
   void freeze(const Sweep& sweep) const;
 
  private:

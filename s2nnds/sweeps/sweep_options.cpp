@@ -56,7 +56,8 @@ SweepOptions read_sweep_options(const std::string& text, const std::string& sour
   check_different(source, "configs", options.configs);
   check_different(source, "seeds", options.seeds);
   check(options.design == "grid" || options.points >= 1,
-        "{}: points: expected at least 1 for the design {}, found {}", source, options.design, options.points);
+        "{}: points: expected at least 1 for the design {}, found {}", source, options.design,
+        options.points);
   check(options.design != "grid" || options.points == 0,
         "{}: points: a grid has as many as its axes say; expected none, found {}", source, options.points);
   const auto& budgets = options.halving.budgets;

@@ -8,8 +8,8 @@
 
 namespace s2nnds {
 
-// Successive halving (Jamieson, Talwalkar 2016): every point gets the first budget, the best share `keep` of them the
-// next one, and so on. Empty budgets: off.
+// Successive halving (Jamieson, Talwalkar 2016): every point gets the first budget, the best share `keep` of
+// them the next one, and so on. Empty budgets: off.
 struct HalvingOptions {
   std::string key = "training.rounds";
   std::vector<std::int64_t> budgets;
@@ -18,8 +18,8 @@ struct HalvingOptions {
   void visit(FieldVisitor& v);
 };
 
-// A sweep's file, but for its table `axes` (axis.h). A point is one choice of values for all axes; it is tried on every
-// configuration with every seed, and is as good as those runs together.
+// A sweep's file, but for its table `axes` (axis.h). A point is one choice of values for all axes; it is
+// tried on every configuration with every seed, and is as good as those runs together.
 struct SweepOptions {
   std::string name = "sweep";
   std::vector<std::string> configs;  // relative to the sweep's file
@@ -41,7 +41,9 @@ struct SweepOptions {
   HalvingOptions halving;
 
   void visit(FieldVisitor& v);
-  std::int64_t rungs() const { return halving.budgets.empty() ? 1 : static_cast<std::int64_t>(halving.budgets.size()); }
+  std::int64_t rungs() const {
+    return halving.budgets.empty() ? 1 : static_cast<std::int64_t>(halving.budgets.size());
+  }
 };
 
 // Reads all but the axes. Throws Error as read_toml does, and on what does not fit together.

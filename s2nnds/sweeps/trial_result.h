@@ -8,20 +8,23 @@
 
 namespace s2nnds {
 
-// What a trial came to, a small file of its own: many trials may end at once, on many nodes, and no server is needed.
+// What a trial came to, a small file of its own: many trials may end at once, on many nodes, and no server is
+// needed.
 struct TrialResult {
   std::int64_t trial = 0;
   bool failed = false;
   std::string error;  // one line, when it failed
   std::string guarantee = "none";
-  double seconds = 0.0;                                  // of the process that ended it, not of killed ones before
-  std::vector<std::pair<std::string, double>> metrics;   // of the run's summary; those that were not measured left out
+  double seconds = 0.0;  // of the process that ended it, not of killed ones before
+  std::vector<std::pair<std::string, double>>
+      metrics;  // of the run's summary; those that were not measured left out
 
   // NaN when there is none of this name.
   double metric(const std::string& name) const;
 };
 
-// Takes guarantee and metrics from a run's summary (one JSON object): its numbers, those of `seconds` as seconds_NAME.
+// Takes guarantee and metrics from a run's summary (one JSON object): its numbers, those of `seconds` as
+// seconds_NAME.
 void take_summary(const std::string& json, TrialResult& result);
 
 // Replaces the file whole. Throws Error when it cannot be written.

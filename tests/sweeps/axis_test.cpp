@@ -45,10 +45,13 @@ TEST(Axis, GridsAreEvenAndHitTheirEnds) {
             (Texts{"0.0001", "0.001", "0.01", "0.1"}));
   EXPECT_EQ((Axis{.key = "a", .low = 2, .high = 10, .integer = true, .count = 5}).grid(),
             (Texts{"2", "4", "6", "8", "10"}));
-  EXPECT_EQ((Axis{.key = "a", .low = 1, .high = 3, .integer = true, .count = 9}).grid(), (Texts{"1", "2", "3"}));
-  EXPECT_EQ((Axis{.key = "a", .low = 1, .high = 100, .logarithmic = true, .integer = true, .count = 3}).grid(),
-            (Texts{"1", "10", "100"}));
-  EXPECT_EQ((Axis{.key = "a", .low = 1.0, .high = 4.0, .logarithmic = true, .count = 1}).grid(), Texts{"2.0"});
+  EXPECT_EQ((Axis{.key = "a", .low = 1, .high = 3, .integer = true, .count = 9}).grid(),
+            (Texts{"1", "2", "3"}));
+  EXPECT_EQ(
+      (Axis{.key = "a", .low = 1, .high = 100, .logarithmic = true, .integer = true, .count = 3}).grid(),
+      (Texts{"1", "10", "100"}));
+  EXPECT_EQ((Axis{.key = "a", .low = 1.0, .high = 4.0, .logarithmic = true, .count = 1}).grid(),
+            Texts{"2.0"});
 }
 
 TEST(Axis, DrawsInEqualShares) {
@@ -73,7 +76,8 @@ TEST(Axis, SaysWhereAndWhatIsWrong) {
             "s.toml:3: axes: a: unknown key cuont; expected values, range, log_range, count or also");
   EXPECT_EQ(message_of("a = { range = [0, \"1\"] }"),
             "s.toml:2: axes: a: expected a range of two numbers, found [0, \"1\"]");
-  EXPECT_EQ(message_of("a = { range = [nan, 1.0] }").substr(0, 49), "s.toml:2: axes: a: expected a range that rises, f");
+  EXPECT_EQ(message_of("a = { range = [nan, 1.0] }").substr(0, 49),
+            "s.toml:2: axes: a: expected a range that rises, f");
   EXPECT_EQ(message_of("a = 3"), "s.toml:2: axes: a: expected a list of at least one value, found 3");
 }
 

@@ -37,17 +37,20 @@ TEST(Design, WithoutAxesThereIsOnePoint) {
 
 // The first points of Sobol's sequence with the direction numbers of Joe and Kuo, without the origin.
 TEST(Design, SobolsFirstPoints) {
-  const std::vector<DesignPoint> expected = {{"0.5", "0.5"},     {"0.75", "0.25"},  {"0.25", "0.75"},
+  const std::vector<DesignPoint> expected = {{"0.5", "0.5"},     {"0.75", "0.25"},   {"0.25", "0.75"},
                                              {"0.375", "0.375"}, {"0.875", "0.875"}, {"0.625", "0.125"}};
   EXPECT_EQ(make_design(options("sobol", 6), {unit, other}), expected);
 }
 
-// Of 64 consecutive points, each of 8 x 8 boxes holds about one: at most 2 of a (0, 2)-sequence's, origin left out.
+// Of 64 consecutive points, each of 8 x 8 boxes holds about one: at most 2 of a (0, 2)-sequence's, origin
+// left out.
 TEST(Design, SobolFillsTheSquareEvenly) {
   for (const std::int64_t seed : {0, 7}) {
     std::vector<int> counts(64, 0);
     for (const DesignPoint& point : make_design(options("sobol", 64, seed), {unit, other})) {
-      const auto cell = [](const std::string& text) { return std::min(7, static_cast<int>(std::stod(text) * 8)); };
+      const auto cell = [](const std::string& text) {
+        return std::min(7, static_cast<int>(std::stod(text) * 8));
+      };
       ++counts[cell(point[0]) * 8 + cell(point[1])];
     }
     EXPECT_LE(*std::max_element(counts.begin(), counts.end()), 2) << seed;
@@ -61,11 +64,13 @@ TEST(Design, TheSameSeedGivesTheSamePointsAnotherOneOthers) {
     EXPECT_EQ(first, make_design(options(design, 20, 3), {unit, letters})) << design;
     EXPECT_NE(first, make_design(options(design, 20, 4), {unit, letters})) << design;
     const auto fewer = make_design(options(design, 5, 3), {unit, letters});
-    EXPECT_TRUE(std::equal(fewer.begin(), fewer.end(), first.begin())) << design;  // more points keep the old ones
+    EXPECT_TRUE(std::equal(fewer.begin(), fewer.end(), first.begin()))
+        << design;  // more points keep the old ones
   }
 }
 
-// 3000 draws of three letters: each count is binomial with deviation 26, so 1000 +- 130 fails by chance in 1e-6.
+// 3000 draws of three letters: each count is binomial with deviation 26, so 1000 +- 130 fails by chance in
+// 1e-6.
 TEST(Design, RandomDrawsAreUniform) {
   int a = 0;
   double sum = 0.0;

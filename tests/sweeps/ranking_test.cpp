@@ -34,8 +34,8 @@ std::vector<std::int64_t> order(const std::vector<PointScore>& ranking) {
 
 TEST(Ranking, GuaranteeFirstThenTheObjective) {
   Sweep sweep = three_points();
-  std::vector<TrialResult> results = {result(0, "none", 0.001), result(1, "conformal", 0.001),
-                                      result(2, "proved", 0.4), result(3, "none", 0.1),
+  std::vector<TrialResult> results = {result(0, "none", 0.001),     result(1, "conformal", 0.001),
+                                      result(2, "proved", 0.4),     result(3, "none", 0.1),
                                       result(4, "invariant", 0.01), result(5, "invariant", 0.09)};
   auto ranking = rank_points(sweep, results);
   EXPECT_EQ(order(ranking), (std::vector<std::int64_t>{2, 1, 0}));

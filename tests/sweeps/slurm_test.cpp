@@ -40,13 +40,13 @@ TEST(Slurm, ScriptsSayWhatWasAsked) {
   Sweep sweep;
   sweep.options.name = "it's";
   SlurmOptions options = parse_slurm("partition=cpu,time=02:00:00,throttle=5");
-  const std::string script =
-      batch_script(sweep, SweepFolder("/shared/a b"), options, "0-3,7", 20, 4, {"/bin/prog", "it's", "$first-$last"});
-  for (const char* line :
-       {"#!/bin/bash\n", "#SBATCH --partition=cpu\n", "#SBATCH --time=02:00:00\n", "#SBATCH --array=0-3,7%5\n",
-        "#SBATCH --cpus-per-task=4\n", "#SBATCH --requeue\n", "#SBATCH --output='/shared/a b/slurm/%A_%a.log'\n",
-        "first=$((SLURM_ARRAY_TASK_ID * 20))\nlast=$((first + 19))\n",
-        "exec '/bin/prog' 'it'\\''s' \"$first-$last\"\n"}) {
+  const std::string script = batch_script(sweep, SweepFolder("/shared/a b"), options, "0-3,7", 20, 4,
+                                          {"/bin/prog", "it's", "$first-$last"});
+  for (const char* line : {"#!/bin/bash\n", "#SBATCH --partition=cpu\n", "#SBATCH --time=02:00:00\n",
+                           "#SBATCH --array=0-3,7%5\n", "#SBATCH --cpus-per-task=4\n", "#SBATCH --requeue\n",
+                           "#SBATCH --output='/shared/a b/slurm/%A_%a.log'\n",
+                           "first=$((SLURM_ARRAY_TASK_ID * 20))\nlast=$((first + 19))\n",
+                           "exec '/bin/prog' 'it'\\''s' \"$first-$last\"\n"}) {
     EXPECT_NE(script.find(line), std::string::npos) << line << script;
   }
   EXPECT_EQ(script.find("--mem"), std::string::npos);
