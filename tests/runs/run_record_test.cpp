@@ -426,7 +426,7 @@ with h5py.File(sys.argv[1]) as f:
     assert abs(f['networks/f/weight_0'][0, 1] - f['networks/f/weight_0'][0, 0] - 0.1) < 1e-12
     assert 'bias_1' not in f['networks/f'] and f['networks/f'].attrs['activation_0'] == 'tanh'
     assert f['grid/velocity'].shape == (3, 2, 2)
-    assert list(f['data/train']) == [2, 0]
+    assert list(f['data/train']) == [2] and list(f['data/validation']) == [0]
     assert f['certificate/conditions/1'].attrs['verdict'] == 'refuted'
     assert list(f['certificate/conditions/1'].attrs['witness']) == [0.5, -0.5]
     assert f['evaluation'].attrs['safe_area_ratio'] != f['evaluation'].attrs['safe_area_ratio']
