@@ -4,7 +4,7 @@ find_package(Threads REQUIRED)
 find_package(TBB 2021 REQUIRED)                               # loops shared among threads
 find_package(Torch 1.13 REQUIRED)                             # networks, autograd, TorchScript
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)                   # plain matrices
-find_package(Boost 1.74 REQUIRED)                             # Math (incomplete beta), Odeint, Multiprecision (tests)
+find_package(Boost 1.74 REQUIRED)                             # Math (incomplete beta), Odeint, Random (Sobol), Multiprecision (tests)
 find_package(HDF5 1.10 REQUIRED COMPONENTS C)                 # run files
 find_package(spdlog 1.10 REQUIRED)                            # the programs' log; brings fmt
 find_package(fmt 9 REQUIRED)

@@ -1,22 +1,18 @@
 #include "commands.h"
 
 #include <fmt/core.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "progress.h"
+#include "python_script.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/cpp_header.h"
 #include "s2nnds/deployment/torchscript.h"
 #include "s2nnds/runs/pipeline.h"
 #include "s2nnds/runs/threads.h"
-
-extern char** environ;
 
 namespace s2nnds::program {
 namespace {
@@ -183,20 +179,8 @@ int export_policy(const ExportArguments& arguments, const CommonArguments& commo
 
 int plot(const PlotArguments& arguments) {
   load_run(arguments.run);  // says what is wrong with a bad file
-  const char* wish = std::getenv("S2NNDS_PYTHON");
-  const std::string python = wish ? wish : "/usr/bin/python3";
   const std::string out = arguments.out.empty() ? sibling(arguments.run, "-figures") : arguments.out;
-  std::vector<std::string> words = {python, S2NNDS_PLOT_SCRIPT, arguments.run, "--out", out};
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  std::fflush(nullptr);
-  pid_t child = 0;
-  const int error = ::posix_spawn(&child, python.c_str(), nullptr, nullptr, argv.data(), environ);
-  check(error == 0, "plot: cannot start {} (set S2NNDS_PYTHON to a Python with matplotlib and h5py)", python);
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : kInternalFailure;
+  return run_python("plot", S2NNDS_PLOT_SCRIPT, {arguments.run, "--out", out});
 }
 
 int info(const std::string& run, const CommonArguments& common) {

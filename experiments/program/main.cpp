@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "s2nnds/core/check.h"
+#include "sweep_command.h"
 
 namespace {
 
@@ -74,6 +75,24 @@ int run(int argc, char** argv) {
   sub->add_option("run", figures.run, "run file")->required();
   sub->add_option("--out", figures.out, "folder for the figures (default RUN-figures)");
   sub->callback([&] { code = plot(figures); });
+
+  SweepArguments sweeping;
+  sub = command("sweep", "train many runs: axes of values, on all cores or on a cluster; the same command goes on");
+  sub->add_option("sweep", sweeping.sweep, "what to sweep (TOML)")->required();
+  sub->add_option("--out", sweeping.out, "folder of the sweep (default NAME-sweep)");
+  sub->add_option("--jobs", sweeping.jobs, "trials at once (default: as many as there are cores for)")
+      ->check(CLI::PositiveNumber);
+  sub->add_flag("--dry-run", sweeping.dry_run, "list the trials, start none");
+  sub->add_flag("--report", sweeping.report, "rank what there is so far and draw it, start nothing");
+  sub->add_flag("--retry-failed", sweeping.retry_failed, "run failed trials again");
+  sub->add_option("--slurm", sweeping.slurm,
+                  "submit to Slurm: partition=,time=,account=,qos=,mem= as sbatch takes them; throttle=N tasks at "
+                  "once; chunk=N trials a task");
+  sub->add_option("--trial", sweeping.trial, "run this one trial here");
+  sub->add_option("--only", sweeping.only, "FIRST-LAST: the part of the list that a task of a job array runs");
+  sub->add_option("--rung", sweeping.rung, "which list --only counts in")->check(CLI::NonNegativeNumber);
+  sub->add_option("--program", sweeping.program, "what to start for each trial (for tests; default: this program)");
+  sub->callback([&] { code = sweep(sweeping, common); });
 
   std::string path;
   sub = command("info", "say what a run file holds");

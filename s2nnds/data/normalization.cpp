@@ -51,14 +51,17 @@ std::vector<Demonstration> normalize(const std::vector<Demonstration>& demonstra
   return normalized;
 }
 
-Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& test) {
-  check_indices(count, test);
-  Split split{{}, test};
+Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& test,
+                           const std::vector<std::int64_t>& validation) {
+  std::vector<std::int64_t> held_out = test;
+  held_out.insert(held_out.end(), validation.begin(), validation.end());
+  check_indices(count, held_out);
+  Split split{{}, test, validation};
   for (std::int64_t k = 0; k < static_cast<std::int64_t>(count); ++k) {
-    if (std::find(test.begin(), test.end(), k) == test.end()) split.train.push_back(k);
+    if (std::find(held_out.begin(), held_out.end(), k) == held_out.end()) split.train.push_back(k);
   }
   check(!split.train.empty(),
-        "split: found {} of {} demonstrations held out; expected at least 1 left to train on", test.size(),
+        "split: found {} of {} demonstrations held out; expected at least 1 left to train on", held_out.size(),
         count);
   return split;
 }

@@ -28,13 +28,16 @@ Normalization find_normalization(const std::string& kind, const std::vector<Demo
 std::vector<Demonstration> normalize(const std::vector<Demonstration>& demonstrations,
                                      const Normalization& scales);
 
-// Train and test by whole demonstrations; `test` keeps its order, `train` is the rest in ascending order.
+// Train, test and validation by whole demonstrations; `test` and `validation` keep their order, `train` is the rest
+// in ascending order.
 // Throws Error when an index is out of range, repeated, or nothing is left.
 struct Split {
   std::vector<std::int64_t> train;
   std::vector<std::int64_t> test;
+  std::vector<std::int64_t> validation = {};  // for choosing among runs
 };
-Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& test);
+Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& test,
+                           const std::vector<std::int64_t>& validation = {});
 
 // The demonstrations with these indices, in this order. Throws Error when an index is out of range or
 // repeated.

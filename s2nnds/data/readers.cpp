@@ -78,6 +78,7 @@ void DataOptions::visit(FieldVisitor& v) {
   v.field("normalization", normalization, {"max_abs", "max_norm"});
   v.field("use", use, at_least(0));
   v.field("test", test, at_least(0));
+  v.field("validation", validation, at_least(0));
 }
 
 DemonstrationSet read_demonstrations(const DataOptions& options, const std::string& data_dir) {

@@ -269,6 +269,12 @@ void Hdf5Writer::write(const std::string& item, const std::string& value) {
   const char* text = c_text(path_, item, value);
   write_contents(item, {type, type, {}, &text});
 }
+void Hdf5Writer::write(const std::string& item, const std::vector<std::string>& value) {
+  const Handle type = text_type();
+  std::vector<const char*> texts;
+  for (const std::string& text : value) texts.push_back(c_text(path_, item, text));
+  write_contents(item, {type, type, {value.size()}, texts.data()});
+}
 void Hdf5Writer::write(const std::string& item, double value) {
   write_contents(item, Contents::numbers({}, &value));
 }
@@ -505,6 +511,10 @@ std::vector<std::int64_t> Hdf5Reader::read_integers(const std::string& item) con
 std::string Hdf5Reader::read_text(const std::string& item) const {
   const Quiet quiet;
   return dataset(item).texts(0).front();
+}
+std::vector<std::string> Hdf5Reader::read_texts(const std::string& item) const {
+  const Quiet quiet;
+  return dataset(item).texts(1);
 }
 double Hdf5Reader::read_number(const std::string& item) const {
   const Quiet quiet;

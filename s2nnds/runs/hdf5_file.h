@@ -36,6 +36,7 @@ class Hdf5Writer {
   void write(const std::string& item, const Array& value);
   void write(const std::string& item, const std::vector<std::int64_t>& value);
   void write(const std::string& item, const std::string& value);  // UTF-8
+  void write(const std::string& item, const std::vector<std::string>& value);
   void write(const std::string& item, double value);
   void write(const std::string& item, std::int64_t value);
 
@@ -85,6 +86,7 @@ class Hdf5Reader {
   Array read_array(const std::string& item) const;
   std::vector<std::int64_t> read_integers(const std::string& item) const;
   std::string read_text(const std::string& item) const;
+  std::vector<std::string> read_texts(const std::string& item) const;
   double read_number(const std::string& item) const;
   std::int64_t read_integer(const std::string& item) const;
 

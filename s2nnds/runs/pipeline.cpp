@@ -161,7 +161,8 @@ Setup set_up(const Config& config, const std::string& data_dir) {
   setup.raw = read_demonstrations(config.data, data_dir);
   setup.normalization = find_normalization(config.data.normalization, setup.raw.demonstrations);
   setup.demonstrations = normalize(setup.raw.demonstrations, setup.normalization);
-  setup.split = split_demonstrations(setup.demonstrations.size(), config.data.test);
+  setup.split = 
+      split_demonstrations(setup.demonstrations.size(), config.data.test, config.data.validation);
   setup.problem = make_problem(config.problem, setup.demonstrations, data_dir);
   return setup;
 }
@@ -281,6 +282,9 @@ void evaluate(const Setup& setup, RunRecord& record) {
     summary.sd_test = test.sd;
     summary.dtw_test = test.dtw;
     summary.dtw_independent_test = test.dtw_independent;
+  }
+  if (!setup.split.validation.empty()) {
+    summary.mse_validation = motion_errors(networks.f, setup.validation(), rollout).mse;
   }
   const SafeArea area =
       measure_safe_area(networks, setup.problem, static_cast<int>(setup.config.evaluation.area_cells));
@@ -432,6 +436,7 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   EvaluationSummary e = record.evaluation;
   json["mse_train"] = real(e.mse_train);
   json["mse_test"] = real(e.mse_test);
+  json["mse_validation"] = real(e.mse_validation);
   json["sd_train"] = real(e.sd_train);
   json["sd_test"] = real(e.sd_test);
   json["dtw_test"] = real(e.dtw_test);

@@ -23,6 +23,7 @@ struct Setup {
 
   std::vector<Demonstration> train() const { return select(demonstrations, split.train); }
   std::vector<Demonstration> test() const { return select(demonstrations, split.test); }
+  std::vector<Demonstration> validation() const { return select(demonstrations, split.validation); }
 };
 // Throws Error for whatever is wrong with the data or the sets.
 Setup set_up(const Config& config, const std::string& data_dir);

@@ -46,7 +46,8 @@ void check_data(const RunData& data) {
   }
   const auto count = static_cast<std::int64_t>(data.demonstrations.size());
   for (const auto& [name, indices] :
-       {std::pair{"train", &data.split.train}, std::pair{"test", &data.split.test}}) {
+       {std::pair{"train", &data.split.train}, std::pair{"test", &data.split.test},
+        std::pair{"validation", &data.split.validation}}) {
     for (const std::int64_t index : *indices) {
       check(index >= 0 && index < count, "/data/{}: found demonstration {}, expected 0 to {}", name, index,
             count - 1);
@@ -110,6 +111,7 @@ void write(Hdf5Writer& file, const RunData& data) {
   file.write_attribute("/data", "dimension", data.dimension);
   file.write("/data/train", data.split.train);
   file.write("/data/test", data.split.test);
+  if (!data.split.validation.empty()) file.write("/data/validation", data.split.validation);
   file.make_group("/data/demonstrations");
   for (std::size_t k = 0; k < data.demonstrations.size(); ++k) {
     const std::string group = numbered("/data/demonstrations", k);
@@ -129,6 +131,7 @@ RunData read_data(const Hdf5Reader& file) {
   check(data.dimension >= 1, "{}: /data: found dimension {}, expected at least 1", file.path(),
         data.dimension);
   data.split = {.train = file.read_integers("/data/train"), .test = file.read_integers("/data/test")};
+  if (file.exists("/data/validation")) data.split.validation = file.read_integers("/data/validation");
   const std::size_t count = file.children("/data/demonstrations").size();
   for (std::size_t k = 0; k < count; ++k) {
     const std::string group = numbered("/data/demonstrations", k);
@@ -400,6 +403,8 @@ void save_run(const std::string& path, const RunRecord& record) {
   for (const auto& [name, corners] : record.open_boxes)
     file.write("/certificate/open_boxes/" + name, corners);
   write_fields(file, "/evaluation", record.evaluation);
+  const double mse_validation = record.evaluation.mse_validation;
+  if (!std::isnan(mse_validation)) file.write_attribute("/evaluation", "mse_validation", mse_validation);
   write_numbers(file, "/timing", record.timing);
   write(file, record.rollouts);
   if (record.grid) write(file, *record.grid);
@@ -430,6 +435,9 @@ RunRecord load_run(const std::string& path) {
     }
   }
   record.evaluation = read_fields<EvaluationSummary>(file, "/evaluation");
+  if (file.has_attribute("/evaluation", "mse_validation")) {
+    record.evaluation.mse_validation = file.number_attribute("/evaluation", "mse_validation");
+  }
   record.timing = read_numbers(file, "/timing");
   record.rollouts = read_rollouts(file);
   if (file.exists("/grid")) record.grid = read_grid(file, record.data.dimension);

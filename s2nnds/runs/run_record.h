@@ -48,6 +48,7 @@ struct RunProblem {
 
 // Figures of a motion's quality; NaN: not measured.
 struct EvaluationSummary {
+  double mse_validation = std::numeric_limits<double>::quiet_NaN();  // of runs that hold demonstrations out for it
   double mse_train = std::numeric_limits<double>::quiet_NaN();
   double mse_test = std::numeric_limits<double>::quiet_NaN();
   double sd_train = std::numeric_limits<double>::quiet_NaN();
@@ -58,7 +59,7 @@ struct EvaluationSummary {
   double true_safe_area = std::numeric_limits<double>::quiet_NaN();
   double safe_area_ratio = std::numeric_limits<double>::quiet_NaN();
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // all but mse_validation, which few runs have
 };
 
 struct StoredRollout {

@@ -18,6 +18,9 @@ Networks snapshot(const Modules& modules) {
   return {modules.f->snapshot(), modules.V->snapshot(), modules.B->snapshot()};
 }
 
+// As in s2nnds/training/trainer.cpp.
+FlatAdam adam(const Mlp& network) { return FlatAdam(network->theta, 0.0, 1.0); }
+
 }  // namespace
 
 NetworkOptions network_options(const WorkSize& size) {
@@ -36,7 +39,6 @@ Multiplications::Multiplications(const LayerStack& stack) {
 class TrainingStep::Impl {
  public:
   explicit Impl(const WorkSize& size) : size_(size), modules_(make_modules(size)) {
-    loss_.kind = "paper";
     batch_.position = uniform(size.samples, size.dimension);
     batch_.velocity = uniform(size.samples, size.dimension);
     batch_.initial = torch::rand({size.samples / 8, size.dimension});
@@ -44,17 +46,14 @@ class TrainingStep::Impl {
   }
 
   // The one place that knows how a loss is computed.
-  torch::Tensor loss() { return (*loss_)(batch_).total; }
+  torch::Tensor loss() { return loss_(batch_).total; }
 
   void run() {
     batch_.workspace = uniform(size_.samples, size_.dimension);
     const torch::Tensor total = loss();
     for (auto& optimizer : optimizers_) optimizer.zero_grad();
     total.backward();
-    for (auto& optimizer : optimizers_) {
-      torch::nn::utils::clip_grad_norm_(optimizer.param_groups()[0].params(), 1.0);
-      optimizer.step();
-    }
+    for (auto& optimizer : optimizers_) optimizer.step(1e-3);
   }
 
   double flops() const {
@@ -69,9 +68,9 @@ class TrainingStep::Impl {
  private:
   WorkSize size_;
   Modules modules_;
-  LossOptions loss_;
   BatchTensors batch_;
-  torch::optim::AdamW optimizers_[3] = {adam(*modules_.f), adam(*modules_.V), adam(*modules_.B)};
+  JointLoss loss_{modules_, {.kind = "paper"}};
+  FlatAdam optimizers_[3] = {adam(modules_.f->network), adam(modules_.V->network), adam(modules_.B->network)};
 };
 
 TrainingStep::TrainingStep(const WorkSize& size) : impl_(std::make_unique<Impl>(size)) {}
@@ -99,7 +98,8 @@ Scoring::Scoring(const WorkSize& size, std::int64_t points)
   points_ = Points::NullaryExpr(points, size.dimension, [&] { return random.uniform(-1.0, 1.0); });
 }
 
-void Scoring::run() { residuals(networks_, problem_, 0.005, points_); }
+// In single precision, as the peer.
+void Scoring::run() { residuals(networks_, problem_, 0.005, points_, Precision::single_); }
 
 double Scoring::flops() const {
   return static_cast<double>(points_.rows()) *

@@ -72,12 +72,16 @@ TEST(Split, HoldsOutWholeDemonstrations) {
   EXPECT_EQ(split.test, (std::vector<std::int64_t>{6, 0}));
   EXPECT_EQ(split.train, (std::vector<std::int64_t>{1, 2, 3, 4, 5}));
   EXPECT_EQ(split_demonstrations(2, {}).train, (std::vector<std::int64_t>{0, 1}));
+  const Split three = split_demonstrations(7, {5, 6}, {4, 0});
+  EXPECT_EQ(three.train, (std::vector<std::int64_t>{1, 2, 3}));
+  EXPECT_EQ(three.validation, (std::vector<std::int64_t>{4, 0}));
 }
 
 TEST(Split, BadIndicesAreRejected) {
   expect_error([] { split_demonstrations(7, {7}); }, "found index 7; expected 0 to 6");
   expect_error([] { split_demonstrations(7, {-1}); }, "found index -1");
   expect_error([] { split_demonstrations(7, {2, 2}); }, "found index 2 twice");
+  expect_error([] { split_demonstrations(7, {2}, {2}); }, "found index 2 twice");
   expect_error([] { split_demonstrations(2, {1, 0}); }, "expected at least 1 left");
 }
 

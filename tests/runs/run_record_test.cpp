@@ -44,7 +44,7 @@ RunRecord unusual_record() {
   r.data.unit = "mm";
   r.data.dimension = 2;
   r.data.normalization = {.kind = "max_norm", .position_scale = 42.5, .velocity_scale = 17.25};
-  r.data.split = {.train = {2, 0}, .test = {1}};
+  r.data.split = {.train = {2}, .test = {1}, .validation = {0}};
   for (int samples : {3, 4, 2}) {
     r.data.demonstrations.push_back(
         {.time = c.vector(samples), .position = c.points(samples, 2), .velocity = c.points(samples, 2)});
@@ -90,7 +90,8 @@ RunRecord unusual_record() {
              .open_volume = c.next(),
              .witness = {0.5, -0.5},
              .seconds = c.next()};
-  r.evaluation = {.mse_train = c.next(),
+  r.evaluation = {.mse_validation = c.next(),
+                  .mse_train = c.next(),
                   .mse_test = c.next(),
                   .sd_train = c.next(),
                   .sd_test = c.next(),
@@ -135,6 +136,7 @@ void expect_equal(const RunData& a, const RunData& b) {
   EXPECT_EQ(a.normalization.velocity_scale, b.normalization.velocity_scale);
   EXPECT_EQ(a.split.train, b.split.train);
   EXPECT_EQ(a.split.test, b.split.test);
+  EXPECT_EQ(a.split.validation, b.split.validation);
   ASSERT_EQ(a.demonstrations.size(), b.demonstrations.size());
   for (std::size_t k = 0; k < a.demonstrations.size(); ++k) {
     EXPECT_EQ(a.demonstrations[k].time, b.demonstrations[k].time);
@@ -179,6 +181,7 @@ TEST(RunRecord, EverythingComesBack) {
   EXPECT_EQ(weight_hash(b.networks), b.certificate.weight_hash);
   EXPECT_EQ(flatten(a.certificate), flatten(b.certificate));
   EXPECT_EQ(flatten(a.evaluation), flatten(b.evaluation));
+  EXPECT_EQ(a.evaluation.mse_validation, b.evaluation.mse_validation);
   EXPECT_EQ(a.timing, b.timing);
   ASSERT_EQ(a.rollouts.size(), b.rollouts.size());
   for (std::size_t k = 0; k < a.rollouts.size(); ++k) {
@@ -423,7 +426,7 @@ with h5py.File(sys.argv[1]) as f:
     assert abs(f['networks/f/weight_0'][0, 1] - f['networks/f/weight_0'][0, 0] - 0.1) < 1e-12
     assert 'bias_1' not in f['networks/f'] and f['networks/f'].attrs['activation_0'] == 'tanh'
     assert f['grid/velocity'].shape == (3, 2, 2)
-    assert list(f['data/train']) == [2, 0]
+    assert list(f['data/train']) == [2] and list(f['data/validation']) == [0]
     assert f['certificate/conditions/1'].attrs['verdict'] == 'refuted'
     assert list(f['certificate/conditions/1'].attrs['witness']) == [0.5, -0.5]
     assert f['evaluation'].attrs['safe_area_ratio'] != f['evaluation'].attrs['safe_area_ratio']

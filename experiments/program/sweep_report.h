@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "s2nnds/sweeps/rungs.h"
+
+namespace s2nnds::program {
+
+// Every trial with its settings, on stdout; as one JSON object if asked.
+void print_trials(const Sweep& sweep, bool json);
+
+// Writes table.h5 and table.csv.
+void write_tables(const Sweep& sweep, const SweepFolder& folder, const SweepState& state);
+
+// Prints the best points, and one JSON object after them if asked. Returns whether a point has the wanted
+// guarantee.
+bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepState& state, bool json);
+
+}  // namespace s2nnds::program

@@ -1,0 +1,69 @@
+#include "sweep_trial.h"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/data/readers.h"
+#include "s2nnds/runs/pipeline.h"
+#include "s2nnds/sweeps/continuation.h"
+#include "s2nnds/sweeps/trial_result.h"
+
+namespace s2nnds::program {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Rounds that the rung before has trained already need not be trained again.
+void take_over(const Sweep& sweep, const SweepFolder& folder, const Trial& trial,
+               const CommonArguments& common) {
+  if (trial.rung == 0 || sweep.options.halving.key != "training.rounds") return;
+  const std::string earlier = folder.run(trial.id - sweep.trials_a_rung());
+  if (!fs::exists(earlier)) return;
+  const std::string config = folder.config(sweep.configs[trial.config]);
+  continue_run(earlier, read_config_text(config, sweep.settings(trial)), config, data_directory(common.data),
+               folder.run(trial.id));
+}
+
+int train_trial(const Sweep& sweep, const SweepFolder& folder, const Trial& trial,
+                const CommonArguments& common) {
+  TrainArguments arguments;
+  const std::string run = folder.run(trial.id);
+  if (!fs::exists(run)) take_over(sweep, folder, trial, common);
+  if (fs::exists(run)) {
+    arguments.resume = run;
+  } else {
+    arguments.config = folder.config(sweep.configs[trial.config]);
+    arguments.assignments = sweep.settings(trial);
+    arguments.out = run;
+  }
+  return train(arguments, common);
+}
+
+}  // namespace
+
+int run_trial(const Sweep& sweep, const SweepFolder& folder, std::int64_t id, const CommonArguments& common) {
+  const auto began = std::chrono::steady_clock::now();
+  const Trial trial = sweep.trial(id);
+  folder.make_run_folder(id);
+  TrialResult result;
+  result.trial = id;
+  int code = kVerified;
+  try {
+    code = train_trial(sweep, folder, trial, common);
+    take_summary(summary_json(load_run(folder.run(id)), folder.run(id)), result);
+  } catch (const std::exception& error) {
+    const bool refused = dynamic_cast<const Error*>(&error) != nullptr;
+    result.failed = true;
+    result.error = refused ? error.what() : fmt::format("internal failure: {}", error.what());
+    fmt::print(stderr, "s2nnds: {}\n", result.error);
+    code = refused ? kBadInput : kInternalFailure;
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  write_result(folder.result(id), result);
+  return code;
+}
+
+}  // namespace s2nnds::program

@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""The reader, the figures and the notebook of sweeps, on a table that is made here."""
+
+import contextlib
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+import plot_sweep
+from s2nnds_sweep import Sweep, SweepError, pareto_front
+from test_plot import synthetic_run
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def write_table(path, trials=24, guarantee="proved", **changes):
+    rng = np.random.default_rng(3)
+    point = np.arange(trials) // 2
+    kappa = 10.0 ** rng.uniform(-2, 0, trials // 2)[point]
+    columns = {
+        "trial": np.arange(trials, dtype=float),
+        "rung": np.zeros(trials),
+        "point": point.astype(float),
+        "config": np.array(["Sine", "Worm"] * (trials // 2), dtype=object),
+        "seed": np.zeros(trials),
+        "training.loss.kappa": kappa,
+        "networks.f.hidden": np.array([["[8]", "[16, 16]", "[32, 32]"][k % 3] for k in point], dtype=object),
+        "status": np.array(["failed"] + ["done"] * (trials - 1), dtype=object),
+        "error": np.array(["problem.unsafe: covers the goal"] + [""] * (trials - 1), dtype=object),
+        "guarantee": np.array(["none"] + ["proved", "invariant", "none"] * trials, dtype=object)[:trials],
+        "meets_guarantee": np.array(([0.0] + [1.0, 1.0, 0.0] * trials)[:trials]),
+        "seconds": rng.uniform(5, 90, trials),
+        "mse_validation": np.where(np.arange(trials) == 0, np.nan, 0.01 + kappa * rng.uniform(0.01, 0.2, trials)),
+        "safe_area_ratio": rng.uniform(0.4, 1.0, trials),
+        "seconds_training": rng.uniform(4, 80, trials),
+        "run": np.array([f"runs/0000/{k:07d}.h5" for k in range(trials)], dtype=object),
+        **changes,
+    }
+    with h5py.File(path, "w") as file:
+        file.attrs.update(name="made", objective="mse_validation", direction="minimize", guarantee=guarantee, share=0.5)
+        text = h5py.string_dtype()
+        file.attrs.create("axes", ["training.loss.kappa", "networks.f.hidden"], dtype=text)
+        file.attrs.create("columns", list(columns), dtype=text)
+        for name, values in columns.items():
+            file.create_dataset(f"trials/{name}", data=values, dtype=text if values.dtype == object else None)
+
+
+class SweepTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="s2nnds-test-")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.table = os.path.join(self.folder, "table.h5")
+
+    def draw(self):
+        printed, errors = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
+            code = plot_sweep.main([self.table, "--out", os.path.join(self.folder, "figures")])
+        return code, [os.path.basename(path) for path in printed.getvalue().split()], errors.getvalue()
+
+    def test_reader(self):
+        write_table(self.table)
+        sweep = Sweep(self.table)
+        self.assertEqual((len(sweep), sweep.objective, int(sweep.done().sum())), (24, "mse_validation", 23))
+        self.assertEqual(sweep["config"][1], "Worm")
+        self.assertEqual(sweep.run(3), os.path.join(self.folder, "runs/0000/0000003.h5"))
+
+    def test_ranking_is_that_of_the_program(self):
+        """As tests/sweeps/ranking_test.cpp: the guarantee's share first, then the geometric mean."""
+        write_table(self.table, 6, meets_guarantee=np.array([0, 0, 1, 0, 1, 1.0]), status=np.array(["done"] * 6, dtype=object),
+                    mse_validation=np.array([0.001, 0.001, 0.4, 0.1, 0.01, 0.09]))
+        ranking = Sweep(self.table).ranking()
+        self.assertEqual([row[0] for row in ranking], [2, 1, 0])
+        np.testing.assert_allclose([row[2] for row in ranking], [0.03, 0.2, 0.001])
+
+    def test_pareto_front(self):
+        cost, gain = np.array([1, 2, 3, 4, 2, np.nan]), np.array([5, 3, 4, 1, 6, 0.0])
+        self.assertEqual(list(pareto_front(cost, gain)), [0, 1, 3])
+
+    def test_figures(self):
+        write_table(self.table)
+        self.assertEqual(self.draw(), (0, ["axes.png", "pareto.png"], ""))
+        for name in ("axes.png", "pareto.png"):
+            self.assertGreater(os.path.getsize(os.path.join(self.folder, "figures", name)), 8000)
+
+    def test_nothing_to_draw(self):
+        write_table(self.table, status=np.array(["failed"] * 24, dtype=object))
+        self.assertEqual(self.draw(), (0, [], ""))
+
+    def test_no_trial_has_the_guarantee(self):
+        write_table(self.table, meets_guarantee=np.zeros(24))
+        self.assertEqual(self.draw()[0], 0)
+
+    def test_bad_tables(self):
+        with self.assertRaises(SweepError):
+            Sweep(self.table)
+        with open(self.table, "w", encoding="utf-8") as file:
+            file.write("no table")
+        code, _, errors = self.draw()
+        self.assertEqual((code, errors.count("\n")), (2, 1))
+
+    def test_notebook(self):
+        with open(os.path.join(HERE, "sweep.ipynb"), encoding="utf-8") as file:
+            notebook = json.load(file)
+        self.assertEqual((notebook["nbformat"], [c for c in notebook["cells"] if c.get("outputs")]), (4, []))
+        if shutil.which("jupyter-nbconvert") is None:
+            self.skipTest("found no jupyter-nbconvert (Debian: jupyter-nbconvert python3-ipykernel)")
+        write_table(self.table)
+        os.makedirs(os.path.join(self.folder, "runs/0000"))
+        for trial in range(24):
+            synthetic_run(os.path.join(self.folder, f"runs/0000/{trial:07d}.h5"))
+        done = subprocess.run(
+            ["jupyter-nbconvert", "--to", "notebook", "--execute", "--output-dir", self.folder, "sweep.ipynb"],
+            cwd=HERE,
+            env={**os.environ, "S2NNDS_SWEEP": self.folder, "JUPYTER_RUNTIME_DIR": self.folder},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
+        with open(os.path.join(self.folder, "sweep.ipynb"), encoding="utf-8") as file:
+            executed = file.read()
+        self.assertEqual(executed.count('"image/png"'), 3)
+        self.assertIn("covers the goal", executed)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "s2nnds/sweeps/axis.h"
+#include "s2nnds/sweeps/sweep_options.h"
+
+namespace s2nnds {
+
+// One value, as TOML text, for each axis.
+using DesignPoint = std::vector<std::string>;
+
+// grid: every combination, the last axis running fastest. random: `points` independent draws. sobol: the
+// first `points` of Sobol's sequence (from (1/2, 1/2, ...) on), each coordinate XORed with a number of its
+// own unless design_seed is 0, which keeps the sequence's even spread. The same options give the same points.
+// Without axes: one point.
+std::vector<DesignPoint> make_design(const SweepOptions& options, const std::vector<Axis>& axes);
+
+}  // namespace s2nnds

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "s2nnds/sweeps/sweep.h"
+#include "s2nnds/sweeps/trial_result.h"
+
+namespace s2nnds {
+
+// How good a point is, by all its trials of one rung.
+struct PointScore {
+  std::int64_t point = 0;
+  std::int64_t trials = 0;  // with a result
+  std::int64_t failed = 0;
+  double share = 0.0;      // of the trials that should be there, those with at least the wanted guarantee
+  bool feasible = false;   // share is at least the wanted one
+  double objective = 0.0;  // geometric mean over the trials, whose problems differ in scale; the arithmetic
+                           // one when a value is not positive; NaN when nothing was measured
+};
+
+// Whether the result has the sweep's guarantee.
+bool meets_guarantee(const SweepOptions& options, const TrialResult& result);
+
+// Best first: feasible points by the objective, then the others by their share and by the objective.
+// `results` are of one rung.
+std::vector<PointScore> rank_points(const Sweep& sweep, const std::vector<TrialResult>& results);
+
+// The points of the rung after one that had `count` points, by that rung's ranking, in ascending order.
+std::vector<std::int64_t> promoted(const HalvingOptions& options, const std::vector<PointScore>& ranking);
+
+}  // namespace s2nnds

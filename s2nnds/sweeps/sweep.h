@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "s2nnds/sweeps/design.h"
+
+namespace s2nnds {
+
+struct BaseConfig {
+  std::string name;  // the configuration's own
+  std::string path;
+  std::string text;
+};
+
+// One run of a sweep. Its number says which: ((rung * points + point) * configs + config) * seeds + seed,
+// each counted from 0.
+struct Trial {
+  std::int64_t id = 0;
+  std::int64_t rung = 0;
+  std::int64_t point = 0;
+  std::int64_t config = 0;
+  std::int64_t seed = 0;  // which of the sweep's seeds
+};
+
+struct Sweep {
+  std::string text;  // of its file
+  SweepOptions options;
+  std::vector<Axis> axes;
+  std::vector<BaseConfig> configs;
+  std::vector<DesignPoint> points;
+
+  std::int64_t trials_a_point() const;
+  std::int64_t trials_a_rung() const;  // if all points are in it
+  Trial trial(std::int64_t id) const;  // throws Error when there is none of this number
+  std::int64_t id_of(std::int64_t rung, std::int64_t point) const;  // of the point's first trial
+
+  // "key=value" settings that make the base configuration the trial's own.
+  std::vector<std::string> settings(const Trial& trial) const;
+};
+
+// Reads the sweep's file and its configurations, and tries every value of every axis on each configuration,
+// so that a misspelt key or a value out of range is refused before anything starts. Throws Error.
+Sweep read_sweep(const std::string& path);
+
+}  // namespace s2nnds

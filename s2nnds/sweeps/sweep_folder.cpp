@@ -1,0 +1,84 @@
+#include "s2nnds/sweeps/sweep_folder.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t runs_a_folder = 1000;
+
+std::string stem(std::int64_t trial) { return fmt::format("runs/{:04}/{:07}", trial / runs_a_folder, trial); }
+
+std::string read_whole(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void make_folders(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  check(!error, "{}: cannot make the folder: {}", path, error.message());
+}
+
+// The sweep's file with the configurations' frozen names.
+std::string frozen_text(const Sweep& sweep) {
+  std::string names;
+  for (const BaseConfig& base : sweep.configs) {
+    names += fmt::format("{}\"configs/{}.toml\"", names.empty() ? "" : ", ", base.name);
+  }
+  return with_overrides(sweep.text, "the sweep", {"configs=[" + names + "]"});
+}
+
+void freeze_file(const std::string& folder, const std::string& path, const std::string& text) {
+  if (!fs::exists(path)) {
+    replace_file(path, text);
+    return;
+  }
+  check(read_whole(path) == text,
+        "{}: found another sweep in the folder {}; expected the same one to go on with (or choose another "
+        "--out)",
+        path, folder);
+}
+
+}  // namespace
+
+std::string SweepFolder::run_name(std::int64_t trial) { return stem(trial) + ".h5"; }
+std::string SweepFolder::result(std::int64_t trial) const { return file(stem(trial) + ".json"); }
+std::string SweepFolder::log(std::int64_t trial) const { return file(stem(trial) + ".log"); }
+
+void SweepFolder::make_run_folder(std::int64_t trial) const {
+  make_folders(file(fmt::format("runs/{:04}", trial / runs_a_folder)));
+}
+
+void SweepFolder::freeze(const Sweep& sweep) const {
+  make_folders(file("configs"));
+  for (const BaseConfig& base : sweep.configs) freeze_file(path_, config(base), base.text);
+  freeze_file(path_, sweep_file(), frozen_text(sweep));  // last: where it is, the others are
+}
+
+void replace_file(const std::string& path, const std::string& text) {
+  const std::string partial = fmt::format("{}.{}.partial", path, ::getpid());
+  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+  file << text;
+  file.close();
+  const bool written = file.good() && std::rename(partial.c_str(), path.c_str()) == 0;
+  if (!written) {
+    const std::string reason = std::strerror(errno);
+    std::remove(partial.c_str());
+    fail("{}: cannot write it: {}", path, reason);
+  }
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "s2nnds/sweeps/sweep.h"
+
+namespace s2nnds {
+
+// Where a sweep keeps everything, on one machine or on a disk that a cluster's nodes share:
+//   sweep.toml, configs/       what is being swept, frozen when it starts
+//   runs/0012/0012345.h5       a trial's run file; beside it .json, its result, and .log, what it printed
+//   table.h5, table.csv        the results in one table
+//   figures/, slurm/           what the report draws; job scripts and the logs of Slurm's tasks
+// A thousand trials share a folder of runs/, since file systems are slow with much larger ones.
+class SweepFolder {
+ public:
+  explicit SweepFolder(std::string path) : path_(std::move(path)) {}
+
+  const std::string& path() const { return path_; }
+  std::string file(const std::string& name) const { return path_ + "/" + name; }
+  std::string sweep_file() const { return file("sweep.toml"); }
+  std::string config(const BaseConfig& base) const { return file("configs/" + base.name + ".toml"); }
+
+  // Relative to the folder, so that tables stay right when it is moved.
+  static std::string run_name(std::int64_t trial);
+  std::string run(std::int64_t trial) const { return file(run_name(trial)); }
+  std::string result(std::int64_t trial) const;
+  std::string log(std::int64_t trial) const;
+  void make_run_folder(std::int64_t trial) const;
+
+  // Copies the sweep's file and its configurations here; the copy is a sweep's file of the same trials.
+  // Throws Error when the folder holds another sweep already.
+  void freeze(const Sweep& sweep) const;
+
+ private:
+  std::string path_;
+};
+
+// Replaces the file whole, so that who reads it meanwhile finds the old or the new one.
+void replace_file(const std::string& path, const std::string& text);
+
+}  // namespace s2nnds
