@@ -1,7 +1,6 @@
 #pragma once
 
-#include <torch/torch.h>
-
+#include <cstddef>
 #include <vector>
 
 namespace s2nnds {
@@ -11,20 +10,15 @@ namespace s2nnds {
 // long as the gradient itself of networks this small. Same formulas and defaults (betas 0.9 and 0.999, epsilon 1e-8).
 class FlatAdam {
  public:
-  // parameter: [count], contiguous, float32 or float64. Throws Error otherwise.
-  FlatAdam(torch::Tensor parameter, double weight_decay, double clip);
+  FlatAdam(double weight_decay, double clip) : weight_decay_(weight_decay), clip_(clip) {}
 
-  void step(double rate);  // with the gradient that the parameter holds
-  void zero_grad();
+  // One step from `gradient` [count]; count is the same in every call.
+  void step(double rate, std::ptrdiff_t count, const float* gradient, float* parameter);
 
  private:
-  template <typename T>
-  void update(double rate);
-
-  torch::Tensor parameter_;
   double weight_decay_, clip_;
-  std::int64_t steps_ = 0;
-  torch::Tensor mean_, square_;
+  long steps_ = 0;
+  std::vector<float> mean_, square_;  // of the gradient, falling averages
 };
 
 }  // namespace s2nnds

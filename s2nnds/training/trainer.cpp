@@ -136,18 +136,21 @@ class Trainer::Impl {
     const auto age = static_cast<double>((round - 1) % options_.rate_period);
     const double factor = std::max(options_.rate_floor, std::pow(options_.rate_decay, age));
     // Each round starts afresh, so that a checkpoint needs no optimiser state.
-    const auto adam = [&](const Mlp& network) { return FlatAdam(network->theta, 0.0, options_.clip); };
-    FlatAdam optimizers[] = {adam(modules_.f->network), adam(modules_.V->network), adam(modules_.B->network)};
+    std::vector<FlatAdam> optimizers(3, FlatAdam(0.0, options_.clip));
+    torch::Tensor parameters[] = {modules_.f->network->theta, modules_.V->network->theta,
+                                  modules_.B->network->theta};
     const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
     JointLoss loss(modules_, options_.loss);
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     for (std::int64_t step = 0; step < options_.steps; ++step) {
       if (step % options_.batch.band_refresh == 0) seek_band(candidates);
       const LossTerms terms = loss(tensors(sampler_.draw(random)));
-      for (auto& optimizer : optimizers) optimizer.zero_grad();
+      for (torch::Tensor& parameter : parameters) parameter.mutable_grad() = torch::Tensor();
       terms.total.backward();
-      for (std::size_t k = 0; k < std::size(optimizers); ++k)
-        optimizers[k].step(factor * annealed(step) * rates[k]);
+      for (std::size_t k = 0; k < optimizers.size(); ++k) {
+        optimizers[k].step(factor * annealed(step) * rates[k], parameters[k].numel(),
+                           parameters[k].grad().data_ptr<float>(), parameters[k].data_ptr<float>());
+      }
       const double share = 1.0 / static_cast<double>(options_.steps);
       row.loss += share * terms.total.item<double>();
       row.mse += share * terms.mse.item<double>();

@@ -17,7 +17,8 @@ double full_mse(VectorField& f, const torch::Tensor& position, const torch::Tens
 
 void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
          const WarmStartOptions& options, RandomStream random) {
-  FlatAdam optimizer(f->network->theta, options.weight_decay, options.clip);
+  torch::Tensor theta = f->network->theta;
+  FlatAdam optimizer(options.weight_decay, options.clip);
   torch::Tensor rows = torch::empty({options.batch}, torch::kInt64);
   const auto samples = static_cast<std::size_t>(position.size(0));
   for (std::int64_t step = 0; step < options.steps; ++step) {
@@ -26,9 +27,9 @@ void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& vel
     auto* row = rows.data_ptr<std::int64_t>();
     for (std::int64_t i = 0; i < options.batch; ++i)
       row[i] = static_cast<std::int64_t>(random.below(samples));
-    optimizer.zero_grad();
+    theta.mutable_grad() = torch::Tensor();
     imitation_loss(f(position.index_select(0, rows)), velocity.index_select(0, rows)).backward();
-    optimizer.step(rate);
+    optimizer.step(rate, theta.numel(), theta.grad().data_ptr<float>(), theta.data_ptr<float>());
   }
 }
 

@@ -18,9 +18,6 @@ Networks snapshot(const Modules& modules) {
   return {modules.f->snapshot(), modules.V->snapshot(), modules.B->snapshot()};
 }
 
-// As in s2nnds/training/trainer.cpp.
-FlatAdam adam(const Mlp& network) { return FlatAdam(network->theta, 0.0, 1.0); }
-
 }  // namespace
 
 NetworkOptions network_options(const WorkSize& size) {
@@ -51,9 +48,12 @@ class TrainingStep::Impl {
   void run() {
     batch_.workspace = uniform(size_.samples, size_.dimension);
     const torch::Tensor total = loss();
-    for (auto& optimizer : optimizers_) optimizer.zero_grad();
+    for (torch::Tensor& parameter : parameters_) parameter.mutable_grad() = torch::Tensor();
     total.backward();
-    for (auto& optimizer : optimizers_) optimizer.step(1e-3);
+    for (std::size_t k = 0; k < 3; ++k) {
+      optimizers_[k].step(1e-3, parameters_[k].numel(), parameters_[k].grad().data_ptr<float>(),
+                          parameters_[k].data_ptr<float>());
+    }
   }
 
   double flops() const {
@@ -70,7 +70,8 @@ class TrainingStep::Impl {
   Modules modules_;
   BatchTensors batch_;
   JointLoss loss_{modules_, {.kind = "paper"}};
-  FlatAdam optimizers_[3] = {adam(modules_.f->network), adam(modules_.V->network), adam(modules_.B->network)};
+  torch::Tensor parameters_[3] = {modules_.f->network->theta, modules_.V->network->theta, modules_.B->network->theta};
+  FlatAdam optimizers_[3] = {{0.0, 1.0}, {0.0, 1.0}, {0.0, 1.0}};  // as in s2nnds/training/trainer.cpp
 };
 
 TrainingStep::TrainingStep(const WorkSize& size) : impl_(std::make_unique<Impl>(size)) {}
