@@ -15,7 +15,9 @@ std::string counterexamples(const RoundSummary& row) {
     if (row.counts[q] == 0) continue;
     text += fmt::format("{}{}={}", text.empty() ? "" : " ", to_string(all_conditions[q]), row.counts[q]);
   }
-  return text.empty() ? "none" : text;
+  if (text.empty()) text = "none";
+  if (row.growing) text += row.counterexamples() == 0 ? " (B grew)" : " (B stays as it was)";
+  return text;
 }
 
 std::string figure(double value, const char* unit = "") {

@@ -117,7 +117,8 @@ void JointSweep<T>::share_out(const BatchView<T>& batch) {
   using Kind = typename Work::Kind;
   tiles(batch.workspace, {.kind = Kind::workspace, .points = nullptr, .first = 0, .rows = 0},
         3.0 * products(f_) + 6.0 * (products(V_) + products(B_)));
-  tiles(batch.position, {.kind = Kind::demonstrations, .points = nullptr, .first = 0, .rows = 0}, 3.0 * products(f_));
+  if (options_.mse > 0.0)
+    tiles(batch.position, {.kind = Kind::demonstrations, .points = nullptr, .first = 0, .rows = 0}, 3.0 * products(f_));
   region(batch.initial, options_.separation, 1.0, options_.margin_initial, &LossSums::separation);
   region(batch.unsafe, options_.separation, -1.0, options_.margin_unsafe, &LossSums::separation);
   if (options_.kind != "paper") {
@@ -212,15 +213,16 @@ void JointSweep<T>::run_workspace(Chunk& chunk, const Work& work, const BatchVie
   T* direction = chunk.velocity.data();
   chunk.f.forward(rows, x, nullptr, direction, nullptr);
   for (ptrdiff_t i = 0; i < rows * n; ++i) direction[i] -= f_at_origin_[i % n];
-  chunk.V.forward(rows, x, direction, chunk.features.data(), chunk.tangent.data());
+  const bool with_V = options_.lyapunov > 0.0;
+  if (with_V) chunk.V.forward(rows, x, direction, chunk.features.data(), chunk.tangent.data());
   chunk.B.forward(rows, x, direction, chunk.barrier.data(), chunk.barrier_dot.data());
 
   T* direction_adjoint = chunk.velocity_adjoint.data();
   for (ptrdiff_t s = 0; s < rows; ++s) {
     T* feature = chunk.features.data() + s * m;
     const T* tangent = chunk.tangent.data() + s * m;
-    double V = feature[0], V_dot = tangent[0];
-    if (squared) {
+    double V = with_V ? feature[0] : 0.0, V_dot = with_V ? tangent[0] : 0.0;
+    if (with_V && squared) {
       V = V_dot = 0.0;
       for (ptrdiff_t j = 0; j < m; ++j) {
         feature[j] -= V_at_origin_[j];
@@ -241,7 +243,7 @@ void JointSweep<T>::run_workspace(Chunk& chunk, const Work& work, const BatchVie
     const double by_V = share * loss.by_V, by_V_dot = share * loss.by_V_dot;
     T* feature_adjoint = chunk.features_adjoint.data() + s * m;
     T* tangent_adjoint = chunk.tangent_adjoint.data() + s * m;
-    if (squared) {
+    if (with_V && squared) {
       for (ptrdiff_t j = 0; j < m; ++j) {
         feature_adjoint[j] = static_cast<T>(2.0 * by_V) * feature[j] + static_cast<T>(2.0 * by_V_dot) * tangent[j];
         tangent_adjoint[j] = static_cast<T>(2.0 * by_V_dot) * feature[j];
@@ -260,8 +262,10 @@ void JointSweep<T>::run_workspace(Chunk& chunk, const Work& work, const BatchVie
   const auto add_part = [&] {
     for (ptrdiff_t i = 0; i < rows * n; ++i) direction_adjoint[i] += chunk.part[i];
   };
-  chunk.V.backward(chunk.features_adjoint.data(), chunk.tangent_adjoint.data(), chunk.part.data());
-  add_part();
+  if (with_V) {
+    chunk.V.backward(chunk.features_adjoint.data(), chunk.tangent_adjoint.data(), chunk.part.data());
+    add_part();
+  }
   chunk.B.backward(chunk.barrier_adjoint.data(), chunk.barrier_dot_adjoint.data(), chunk.part.data());
   add_part();
   for (ptrdiff_t i = 0; i < rows * n; ++i) chunk.f_origin_adjoint[i % n] -= direction_adjoint[i];

@@ -2,6 +2,7 @@
 
 #include <torch/torch.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -67,20 +68,31 @@ class Trainer::Impl {
       summary.stopped = !report(row, owner);
     }
     while (!summary.stopped && !finished()) {
-      RoundSummary row = train_round(static_cast<std::int64_t>(history_.size()));
+      const LayerStack certified = modules_.B->snapshot();
+      const bool growing = is_certified();
+      RoundSummary row = train_round(static_cast<std::int64_t>(history_.size()), growing);
       search(row);
+      if (growing && !row.clean()) modules_.B->restore(certified);
       row.seconds = seconds();
       summary.stopped = !report(row, owner);
     }
     summary.rounds = history_.back().round;
-    summary.clean = history_.back().clean();
+    summary.clean = is_certified();
     summary.seconds = seconds();
     return summary;
   }
 
   bool finished() const {
-    const RoundSummary& last = history_.back();
-    return last.round >= options_.rounds || (last.round >= options_.min_rounds && last.clean());
+    if (!is_certified()) return history_.back().round >= options_.rounds;
+    return std::count_if(history_.begin(), history_.end(), [](const RoundSummary& row) { return row.growing; }) >=
+           (uses_labels() ? options_.growth_rounds : 0);
+  }
+
+  // Whether a round ended clean; later ones only let B grow.
+  bool is_certified() const {
+    return std::any_of(history_.begin(), history_.end(), [&](const RoundSummary& row) {
+      return row.round >= options_.min_rounds && row.clean();
+    });
   }
 
   Networks networks() const {
@@ -129,25 +141,28 @@ class Trainer::Impl {
                       [&](std::int64_t attempt) { return make_field(attempt); });
   }
 
-  RoundSummary train_round(std::int64_t round) {
+  RoundSummary train_round(std::int64_t round, bool growing) {
     RoundSummary row;
     row.round = round;
+    row.growing = growing;
     label(row);
     const auto age = static_cast<double>((round - 1) % options_.rate_period);
-    const double factor = std::max(options_.rate_floor, std::pow(options_.rate_decay, age));
+    const double factor =
+        growing ? options_.growth_rate : std::max(options_.rate_floor, std::pow(options_.rate_decay, age));
     // Each round starts afresh, so that a checkpoint needs no optimiser state.
     std::vector<FlatAdam> optimizers(3, FlatAdam(0.0, options_.clip));
     torch::Tensor parameters[] = {modules_.f->network->theta, modules_.V->network->theta,
                                   modules_.B->network->theta};
     const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
-    JointLoss loss(modules_, options_.loss);
+    JointLoss loss(modules_, growing ? growth_loss() : options_.loss);
+    const std::size_t first_trained = growing ? 2 : 0;
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     for (std::int64_t step = 0; step < options_.steps; ++step) {
       if (step % options_.batch.band_refresh == 0) seek_band(candidates);
       const LossTerms terms = loss(tensors(sampler_.draw(random)));
       for (torch::Tensor& parameter : parameters) parameter.mutable_grad() = torch::Tensor();
       terms.total.backward();
-      for (std::size_t k = 0; k < optimizers.size(); ++k) {
+      for (std::size_t k = first_trained; k < optimizers.size(); ++k) {
         optimizers[k].step(factor * annealed(step) * rates[k], parameters[k].numel(),
                            parameters[k].grad().data_ptr<float>(), parameters[k].data_ptr<float>());
       }
@@ -159,7 +174,18 @@ class Trainer::Impl {
       row.band += share * terms.band.item<double>();
       row.labels += share * terms.labels.item<double>();
     }
+    if (growing) row.mse = history_.back().mse;
     return row;
+  }
+
+  // What concerns B alone.
+  LossOptions growth_loss() const {
+    LossOptions loss = options_.loss;
+    loss.mse = loss.lyapunov = 0.0;
+    loss.labels *= options_.growth_labels;
+    loss.separation *= options_.growth_margins;
+    loss.band *= options_.growth_margins;
+    return loss;
   }
 
   // The share of the round's rate at a step: half a cosine from 1 down to rate_end.
@@ -169,9 +195,13 @@ class Trainer::Impl {
     return options_.rate_end + (1.0 - options_.rate_end) * fall;
   }
 
+  bool uses_labels() const {
+    return labels && options_.label_points > 0 && options_.loss.labels > 0.0 && options_.loss.kind != "paper";
+  }
+
   // Rollout labels of fresh points under the f that the round starts with.
   void label(RoundSummary& row) {
-    if (!labels || options_.label_points == 0 || options_.loss.kind == "paper") return;
+    if (!uses_labels()) return;
     RandomStream random(seed_, "labels", row.round);
     const Points starts = sampler_.uniform(options_.label_points, random);
     const std::vector<bool> is_safe = labels(modules_.f->snapshot(), starts);

@@ -58,6 +58,10 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("rate_end", rate_end, between(0.0, 1.0));
   v.field("rate_floor", rate_floor, between(0.0, 1.0));
   v.field("rate_period", rate_period, at_least(1));
+  v.field("growth_rounds", growth_rounds, at_least(0));
+  v.field("growth_labels", growth_labels, at_least(0.0));
+  v.field("growth_margins", growth_margins, at_least(0.0));
+  v.field("growth_rate", growth_rate, above(0.0));
   v.field("clip", clip, above(0.0));
   v.field("label_points", label_points, at_least(0));
   v.field("keep_clear", keep_clear, at_least(0.0));
@@ -73,6 +77,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
 TrainerOptions paper_training() {
   TrainerOptions options;
   options.label_points = 0;
+  options.growth_rounds = 0;
   options.keep_clear = 0.0;
   options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
