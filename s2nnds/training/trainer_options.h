@@ -41,7 +41,7 @@ struct LossOptions {
   double kappa = 0.1;
   double margin_initial = 0.05;
   double margin_unsafe = 0.05;
-  double margin_band = 0.02;
+  double margin_band = 0.05;
   double band_width = 0.15;
   double margin_label = 0.02;
   double margin_positive = 0.01;  // paper: delta_l1

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/handwriting.h"
 #include "s2nnds/data/normalization.h"
@@ -74,6 +76,54 @@ TEST(Trainer, GoesOnFromAnyRoundAsIfItHadNeverStopped) {
     EXPECT_EQ(resumed.run().rounds, summary.rounds);
     EXPECT_EQ(weight_hash(resumed.networks()), weight_hash(unbroken.networks())) << "from round " << round;
   }
+}
+
+// Finds something in the rounds it is told.
+class ScriptedSource : public CounterexampleSource {
+ public:
+  explicit ScriptedSource(std::set<std::int64_t> rounds) : rounds_(std::move(rounds)) {}
+  std::string name() const override { return "script"; }
+  Counterexamples find(const Networks&, const SafetyProblem& problem, double, std::uint64_t,
+                       std::int64_t round) override {
+    Counterexamples found;
+    for (Points& points : found.points) points.resize(0, problem.dimension());
+    if (rounds_.count(round) == 0) return found;
+    found.points.front() = Points::Constant(1, problem.dimension(), 0.5);
+    found.counts.front() = found.samples.front() = 1;
+    return found;
+  }
+
+ private:
+  std::set<std::int64_t> rounds_;
+};
+
+// After the first clean round only B moves, and only to where it is clean again.
+TEST(Trainer, LetsBGrowAndKeepsOnlyCleanRounds) {
+  Fixture fixture;
+  fixture.options.min_rounds = 2;
+  fixture.options.growth_rounds = 3;
+  Trainer trainer(fixture.problem, fixture.demonstrations, fixture.networks, fixture.options, 5);
+  trainer.set_rollout_labels(
+      [&](const LayerStack& f, const Points& x) { return rollout_is_safe(f, fixture.problem, x); });
+  trainer.add_source(std::make_shared<ScriptedSource>(std::set<std::int64_t>{1, 3}));
+  std::vector<Networks> after;
+  std::vector<bool> growing;
+  trainer.on_round([&](const RoundSummary& row, const Trainer& t) {
+    after.push_back(t.networks());
+    growing.push_back(row.growing);
+    return true;
+  });
+  const TrainerSummary summary = trainer.run();
+  EXPECT_TRUE(summary.clean);
+  EXPECT_EQ(growing, (std::vector<bool>{false, false, false, true, true, true}));
+  const auto hash = [](const LayerStack& stack) { return weight_hash({stack, stack, stack}); };
+  for (std::size_t round : {3, 4, 5}) {
+    EXPECT_EQ(hash(after[round].f), hash(after[2].f));
+    EXPECT_EQ(hash(after[round].V), hash(after[2].V));
+  }
+  EXPECT_EQ(hash(after[3].B), hash(after[2].B)) << "round 3 was not clean";
+  EXPECT_NE(hash(after[4].B), hash(after[3].B));
+  EXPECT_NE(hash(after[5].B), hash(after[4].B));
 }
 
 TEST(Trainer, StopsWhenTheCallbackSaysSo) {
