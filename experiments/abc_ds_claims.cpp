@@ -1,7 +1,8 @@
-// What the prover says of the published ABC-DS results: for four LASA motions, polynomials f, V, B learned by sums
-// of squares with bilinear matrix inequalities. Each is held to its own sets (the initial ball and the polynomial
-// obstacle of configs/abc_ds) on its own workspace [-1, 1]^2, and to the conditions that a certificate needs there:
-// V > 0 and Vdot < 0 but at the goal, B <= 0 on X0, B > 0 on the unsafe set, Bdot < 0 where B = 0.
+// What the prover says of the published ABC-DS results: for four LASA motions, polynomials f, V, B learned by
+// sums of squares with bilinear matrix inequalities. Each is held to its own sets (the initial ball and the
+// polynomial obstacle of configs/abc_ds) on its own workspace [-1, 1]^2, and to the conditions that a
+// certificate needs there: V > 0 and Vdot < 0 but at the goal, B <= 0 on X0, B > 0 on the unsafe set, Bdot <
+// 0 where B = 0.
 //
 // Expected (recomputed over all seven demonstrations, normalised by the largest norms):
 //   motion   MSE     SD      safe area in [-1, 1]^2 of 4
@@ -34,8 +35,8 @@ struct Published {
   std::vector<Polynomial> f, V, B;
 };
 
-// The solver leaves linear terms of some 1e-15 in V, by which V < 0 somewhere arbitrarily near the goal. They are noise,
-// and are dropped here: what is judged is the V that was meant.
+// The solver leaves linear terms of some 1e-15 in V, by which V < 0 somewhere arbitrarily near the goal. They
+// are noise, and are dropped here: what is judged is the V that was meant.
 Polynomial without_linear_noise(const Polynomial& V) {
   Vector coefficients = V.coefficients();
   for (Eigen::Index t = 0; t < V.terms(); ++t) {
@@ -69,10 +70,12 @@ Points values(const std::vector<Polynomial>& f, const Points& x) {
 
 nlohmann::json judge(const std::string& motion, const std::string& config_path, const std::string& data) {
   Setup setup = set_up(parse_config(read_config_text(config_path, {}), config_path), data);
-  setup.problem.workspace = Box::cube(2, 1.0);  // which some initial balls leave by a little: that part is not judged
+  setup.problem.workspace =
+      Box::cube(2, 1.0);  // which some initial balls leave by a little: that part is not judged
   setup.problem.shell = nullptr;
   const Published published = read_published(data + "/abc_ds/" + motion + "_result.json");
-  const Points position = stack_positions(setup.demonstrations), velocity = stack_velocities(setup.demonstrations);
+  const Points position = stack_positions(setup.demonstrations),
+               velocity = stack_velocities(setup.demonstrations);
   const Points predicted = values(published.f, position);
   const auto level = [&](const Points& x) { return published.B.at(0).value(x); };
   nlohmann::json row = {{"motion", motion},
@@ -83,32 +86,31 @@ nlohmann::json judge(const std::string& motion, const std::string& config_path, 
   const auto peer = [](const std::vector<Polynomial>& p) { return std::make_shared<PolynomialFunction>(p); };
   ProofOptions options;
   options.max_seconds = 120.0;
-  const ProofResult proof =
-      prove(ProofFunctions{peer(published.f), peer(published.V), peer(published.B)}, setup.problem, 0.0, options);
+  const ProofResult proof = prove(ProofFunctions{peer(published.f), peer(published.V), peer(published.B)},
+                                  setup.problem, 0.0, options);
   row["proof_seconds"] = proof.seconds;
   row["goal_cube"] = proof.goal_cube;
   for (const ConditionProof& condition : proof.conditions) {
     const ConditionVerdict& verdict = condition.verdict;
-    row["conditions"][verdict.condition] = {{"verdict", verdict.verdict},
-                                            {"boxes", verdict.boxes},
-                                            {"open_volume", verdict.open_volume},
-                                            {"open_boxes", verdict.open_boxes},
-                                            {"witness", verdict.witness},
-                                            {"worst", verdict.worst}};
+    row["conditions"][verdict.condition] = {
+        {"verdict", verdict.verdict},         {"boxes", verdict.boxes},
+        {"open_volume", verdict.open_volume}, {"open_boxes", verdict.open_boxes},
+        {"witness", verdict.witness},         {"worst", verdict.worst}};
   }
   return row;
 }
 
 void print(const nlohmann::json& row) {
-  fmt::print("{:8} mse {:.4f}  sd {:.4f}  safe area {:.3f}  proof {:.2f} s\n", row["motion"].get<std::string>(),
-             row["mse"].get<double>(), row["sd"].get<double>(), row["safe_area"].get<double>(),
-             row["proof_seconds"].get<double>());
+  fmt::print("{:8} mse {:.4f}  sd {:.4f}  safe area {:.3f}  proof {:.2f} s\n",
+             row["motion"].get<std::string>(), row["mse"].get<double>(), row["sd"].get<double>(),
+             row["safe_area"].get<double>(), row["proof_seconds"].get<double>());
   for (const auto& [name, verdict] : row["conditions"].items()) {
     fmt::print("  {:18} {:10} boxes {}", name, verdict["verdict"].get<std::string>(),
                verdict["boxes"].get<std::int64_t>());
     const auto witness = verdict["witness"].get<std::vector<double>>();
     if (!witness.empty())
-      fmt::print("  violated by {:.3g} at ({:.6g}, {:.6g})", verdict["worst"].get<double>(), witness[0], witness[1]);
+      fmt::print("  violated by {:.3g} at ({:.6g}, {:.6g})", verdict["worst"].get<double>(), witness[0],
+                 witness[1]);
     if (verdict["verdict"] == "undecided")
       fmt::print("  open boxes {}, area {:.3g}", verdict["open_boxes"].get<std::int64_t>(),
                  verdict["open_volume"].get<double>());

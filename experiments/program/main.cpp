@@ -24,8 +24,7 @@ int run(int argc, char** argv) {
     CLI::App* sub = app.add_subcommand(name, help);
     sub->add_option("--data", common.data,
                     "folder of the data files (else $S2NNDS_DATA, else ../shared/data)");
-    sub->add_option("--threads", common.threads,
-                    "threads of everything that computes; 0: all cores")
+    sub->add_option("--threads", common.threads, "threads of everything that computes; 0: all cores")
         ->check(CLI::NonNegativeNumber);
     sub->add_flag("--json", common.json, "print one JSON object as the last line");
     return sub;
@@ -77,7 +76,8 @@ int run(int argc, char** argv) {
   sub->callback([&] { code = plot(figures); });
 
   SweepArguments sweeping;
-  sub = command("sweep", "train many runs: axes of values, on all cores or on a cluster; the same command goes on");
+  sub = command("sweep",
+                "train many runs: axes of values, on all cores or on a cluster; the same command goes on");
   sub->add_option("sweep", sweeping.sweep, "what to sweep (TOML)")->required();
   sub->add_option("--out", sweeping.out, "folder of the sweep (default NAME-sweep)");
   sub->add_option("--jobs", sweeping.jobs, "trials at once (default: as many as there are cores for)")
@@ -85,13 +85,16 @@ int run(int argc, char** argv) {
   sub->add_flag("--dry-run", sweeping.dry_run, "list the trials, start none");
   sub->add_flag("--report", sweeping.report, "rank what there is so far and draw it, start nothing");
   sub->add_flag("--retry-failed", sweeping.retry_failed, "run failed trials again");
-  sub->add_option("--slurm", sweeping.slurm,
-                  "submit to Slurm: partition=,time=,account=,qos=,mem= as sbatch takes them; throttle=N tasks at "
-                  "once; chunk=N trials a task");
+  sub->add_option(
+      "--slurm", sweeping.slurm,
+      "submit to Slurm: partition=,time=,account=,qos=,mem= as sbatch takes them; throttle=N tasks at "
+      "once; chunk=N trials a task");
   sub->add_option("--trial", sweeping.trial, "run this one trial here");
-  sub->add_option("--only", sweeping.only, "FIRST-LAST: the part of the list that a task of a job array runs");
+  sub->add_option("--only", sweeping.only,
+                  "FIRST-LAST: the part of the list that a task of a job array runs");
   sub->add_option("--rung", sweeping.rung, "which list --only counts in")->check(CLI::NonNegativeNumber);
-  sub->add_option("--program", sweeping.program, "what to start for each trial (for tests; default: this program)");
+  sub->add_option("--program", sweeping.program,
+                  "what to start for each trial (for tests; default: this program)");
   sub->callback([&] { code = sweep(sweeping, common); });
 
   std::string path;

@@ -154,8 +154,8 @@ bool allows_zero(Condition condition) { return condition == Condition::initial; 
 Points residuals(const Networks& networks, const SafetyProblem& problem, double band, const Points& x,
                  Precision precision) {
   check_points(problem, band, x);
-  const Ingredients at = precision == Precision::single_ ? evaluate_all<float>(networks, x)
-                                                         : evaluate_all<double>(networks, x);
+  const Ingredients at =
+      precision == Precision::single_ ? evaluate_all<float>(networks, x) : evaluate_all<double>(networks, x);
   const Mask inside = within(problem.workspace, x);
   Points all(x.rows(), condition_count);
   for (std::size_t i = 0; i < all_conditions.size(); ++i) {

@@ -14,7 +14,8 @@ namespace {
 
 struct Pool {
   explicit Pool(int threads)
-      : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)), arena(threads) {}
+      : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
+        arena(threads) {}
   tbb::global_control limit;
   tbb::task_arena arena;
 };
@@ -24,8 +25,8 @@ std::unique_ptr<Pool>& pool() {
   return current;
 }
 
-// A thread that waits for a loop within a loop could take up another index of the outer one, and with it the memory
-// of a worker that it already is.
+// A thread that waits for a loop within a loop could take up another index of the outer one, and with it the
+// memory of a worker that it already is.
 thread_local bool in_loop = false;
 struct Inside {
   Inside() { in_loop = true; }
@@ -44,7 +45,8 @@ int thread_count() { return pool()->arena.max_concurrency(); }
 
 void parallel_for(std::ptrdiff_t count, const std::function<void(std::ptrdiff_t, int)>& body) {
   if (in_loop || count <= 1 || thread_count() == 1) {
-    for (std::ptrdiff_t i = 0; i < count; ++i) body(i, in_loop ? tbb::this_task_arena::current_thread_index() : 0);
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+      body(i, in_loop ? tbb::this_task_arena::current_thread_index() : 0);
     return;
   }
   pool()->arena.execute([&] {

@@ -4,8 +4,8 @@
 
 namespace s2nnds {
 
-// N points (or velocities) of dimension n, one a row: [N, n]. Row-major, so that it shares the layout of tensors,
-// of HDF5 datasets and of numpy arrays.
+// N points (or velocities) of dimension n, one a row: [N, n]. Row-major, so that it shares the layout of
+// tensors, of HDF5 datasets and of numpy arrays.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 

@@ -28,9 +28,8 @@ Normalization find_normalization(const std::string& kind, const std::vector<Demo
 std::vector<Demonstration> normalize(const std::vector<Demonstration>& demonstrations,
                                      const Normalization& scales);
 
-// Train, test and validation by whole demonstrations; `test` and `validation` keep their order, `train` is the rest
-// in ascending order.
-// Throws Error when an index is out of range, repeated, or nothing is left.
+// Train, test and validation by whole demonstrations; `test` and `validation` keep their order, `train` is
+// the rest in ascending order. Throws Error when an index is out of range, repeated, or nothing is left.
 struct Split {
   std::vector<std::int64_t> train;
   std::vector<std::int64_t> test;

@@ -18,7 +18,8 @@ struct DataOptions {
   std::string normalization = "max_abs";    // max_abs, max_norm
   std::vector<std::int64_t> use;            // demonstrations to use at all, in this order; empty: every one
   std::vector<std::int64_t> test = {5, 6};  // held out, counted from 0 among those in use
-  // Held out as well, for choosing among runs: a choice made on test demonstrations would spoil their figures.
+  // Held out as well, for choosing among runs: a choice made on test demonstrations would spoil their
+  // figures.
   std::vector<std::int64_t> validation;
 
   void visit(FieldVisitor& v);  // names only the keys that `source` has

@@ -252,10 +252,10 @@ void FusedNetwork<T>::backward(const T* x, const T* direction, const Tape& tape,
     std::fill(gradient, gradient + gradient_size_, T(0));
     for (ptrdiff_t t = tiles * c / chunks; t < tiles * (c + 1) / chunks; ++t) {
       const ptrdiff_t first = t * kTileRows, rows = std::min(kTileRows, samples - first);
-      backward_tile(rows, x + first * n, tape.tangent ? direction + first * n : nullptr, tape.memory.data(),
-                    samples, first, adjoint_value + first * m,
-                    tape.tangent ? adjoint_derivative + first * m : nullptr, gradient,
-                    tape.tangent && adjoint_direction ? adjoint_direction + first * n : nullptr, scratch.data());
+      backward_tile(
+          rows, x + first * n, tape.tangent ? direction + first * n : nullptr, tape.memory.data(), samples,
+          first, adjoint_value + first * m, tape.tangent ? adjoint_derivative + first * m : nullptr, gradient,
+          tape.tangent && adjoint_direction ? adjoint_direction + first * n : nullptr, scratch.data());
     }
   };
   if (samples * parameters() < kLeastParallelWork) {

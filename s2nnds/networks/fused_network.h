@@ -49,7 +49,8 @@ class Buffer {
 template <typename T>
 class FusedNetwork {
  public:
-  static constexpr std::ptrdiff_t tile_rows = 48;  // a multiple of the kernels' row blocks; fits in the L1 cache
+  static constexpr std::ptrdiff_t tile_rows =
+      48;  // a multiple of the kernels' row blocks; fits in the L1 cache
 
   explicit FusedNetwork(std::vector<LayerShape> layers);
 

@@ -161,8 +161,7 @@ Setup set_up(const Config& config, const std::string& data_dir) {
   setup.raw = read_demonstrations(config.data, data_dir);
   setup.normalization = find_normalization(config.data.normalization, setup.raw.demonstrations);
   setup.demonstrations = normalize(setup.raw.demonstrations, setup.normalization);
-  setup.split = 
-      split_demonstrations(setup.demonstrations.size(), config.data.test, config.data.validation);
+  setup.split = split_demonstrations(setup.demonstrations.size(), config.data.test, config.data.validation);
   setup.problem = make_problem(config.problem, setup.demonstrations, data_dir);
   return setup;
 }

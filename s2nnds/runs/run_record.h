@@ -48,7 +48,8 @@ struct RunProblem {
 
 // Figures of a motion's quality; NaN: not measured.
 struct EvaluationSummary {
-  double mse_validation = std::numeric_limits<double>::quiet_NaN();  // of runs that hold demonstrations out for it
+  double mse_validation =
+      std::numeric_limits<double>::quiet_NaN();  // of runs that hold demonstrations out for it
   double mse_train = std::numeric_limits<double>::quiet_NaN();
   double mse_test = std::numeric_limits<double>::quiet_NaN();
   double sd_train = std::numeric_limits<double>::quiet_NaN();

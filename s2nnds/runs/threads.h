@@ -11,8 +11,9 @@ struct ThreadCounts {
   std::optional<int> blas;  // OpenBLAS or BLIS behind them; none: a BLAS without threads of its own
 };
 
-// One setting for all: the library's loops get `threads` (0: all cores), ATen and the BLAS one, since what is left to
-// them is too small to share, and their waiting threads would hold a core. Throws Error if `threads` is negative.
+// One setting for all: the library's loops get `threads` (0: all cores), ATen and the BLAS one, since what is
+// left to them is too small to share, and their waiting threads would hold a core. Throws Error if `threads`
+// is negative.
 void set_threads(int threads);
 ThreadCounts thread_counts();
 

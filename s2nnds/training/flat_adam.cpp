@@ -11,7 +11,8 @@ void FlatAdam::step(double rate, std::ptrdiff_t count, const float* gradient, fl
   square_.resize(static_cast<std::size_t>(count));
   ++steps_;
   double norm = 0.0;
-  for (std::ptrdiff_t i = 0; i < count; ++i) norm += static_cast<double>(gradient[i]) * static_cast<double>(gradient[i]);
+  for (std::ptrdiff_t i = 0; i < count; ++i)
+    norm += static_cast<double>(gradient[i]) * static_cast<double>(gradient[i]);
   const auto scale = static_cast<float>(std::min(1.0, clip_ / (std::sqrt(norm) + 1e-6)));
   const auto age = static_cast<double>(steps_);
   const auto pace = static_cast<float>(rate / (1.0 - std::pow(0.9, age)));

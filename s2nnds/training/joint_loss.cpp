@@ -67,19 +67,23 @@ LossTerms JointLoss::run(JointSweep<T>& sweep, const BatchTensors& batch) {
     kept.push_back(x.contiguous());
     return {kept.back().data_ptr<T>(), x.size(0)};
   };
-  const BatchView<T> views{view(batch.position), view(batch.velocity), view(batch.workspace), view(batch.initial),
-                           view(batch.unsafe),   view(batch.safe),     view(batch.doomed)};
+  const BatchView<T> views{view(batch.position), view(batch.velocity), view(batch.workspace),
+                           view(batch.initial),  view(batch.unsafe),   view(batch.safe),
+                           view(batch.doomed)};
   check(views.position.count == views.velocity.count, "joint loss: found {} positions and {} velocities",
         views.position.count, views.velocity.count);
   const tensor_list gradients = {torch::empty_like(f), torch::empty_like(V), torch::empty_like(B)};
-  const LossSums sums = sweep.run(f.data_ptr<T>(), V.data_ptr<T>(), B.data_ptr<T>(), views,
-                                  gradients[0].data_ptr<T>(), gradients[1].data_ptr<T>(),
-                                  gradients[2].data_ptr<T>());
-  const auto scalar = [&](double value) { return torch::scalar_tensor(value, f.options().requires_grad(false)); };
-  LossTerms terms{scalar(sums.mse), scalar(sums.lyapunov), scalar(sums.separation), scalar(sums.band),
-                  scalar(sums.labels), {}};
+  const LossSums sums =
+      sweep.run(f.data_ptr<T>(), V.data_ptr<T>(), B.data_ptr<T>(), views, gradients[0].data_ptr<T>(),
+                gradients[1].data_ptr<T>(), gradients[2].data_ptr<T>());
+  const auto scalar = [&](double value) {
+    return torch::scalar_tensor(value, f.options().requires_grad(false));
+  };
+  LossTerms terms{scalar(sums.mse),  scalar(sums.lyapunov), scalar(sums.separation),
+                  scalar(sums.band), scalar(sums.labels),   {}};
   terms.total = Differentiated::apply(
-      f, V, B, options_.mse * sums.mse + sums.lyapunov + sums.separation + sums.band + sums.labels, gradients);
+      f, V, B, options_.mse * sums.mse + sums.lyapunov + sums.separation + sums.band + sums.labels,
+      gradients);
   return terms;
 }
 

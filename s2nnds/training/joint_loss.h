@@ -9,9 +9,9 @@
 
 namespace s2nnds {
 
-// The loss of LossOptions of three networks, again and again: joint_loss of losses.h where the networks' engine is
-// autograd, one JointSweep where it is fused. The networks keep their identity: their weights may change between
-// calls, the modules may not.
+// The loss of LossOptions of three networks, again and again: joint_loss of losses.h where the networks'
+// engine is autograd, one JointSweep where it is fused. The networks keep their identity: their weights may
+// change between calls, the modules may not.
 class JointLoss {
  public:
   JointLoss(const Modules& networks, const LossOptions& options);

@@ -12,7 +12,7 @@ namespace {
 
 using std::ptrdiff_t;
 
-constexpr ptrdiff_t kChunks = 4;  // the most threads that can share a step
+constexpr ptrdiff_t kChunks = 4;            // the most threads that can share a step
 constexpr double kLeastParallelWork = 1e6;  // products; less is done before a second thread has woken up
 
 // relu(z) or, with a leak, the paper's leaky ReLU, and its derivative.
@@ -41,7 +41,8 @@ struct JointSweep<T>::Chunk {
   Chunk(const FusedNetwork<T>& network_f, const FusedNetwork<T>& network_V, const FusedNetwork<T>& network_B)
       : f(network_f), V(network_V), B(network_B) {
     constexpr auto rows = static_cast<std::size_t>(FusedNetwork<T>::tile_rows);
-    const auto n = static_cast<std::size_t>(network_f.inputs()), m = static_cast<std::size_t>(network_V.outputs());
+    const auto n = static_cast<std::size_t>(network_f.inputs()),
+               m = static_cast<std::size_t>(network_V.outputs());
     for (auto* of_f : {&velocity, &velocity_adjoint, &part}) of_f->resize(rows * n);
     for (auto* of_V : {&features, &tangent, &features_adjoint, &tangent_adjoint}) of_V->resize(rows * m);
     for (auto* of_B : {&barrier, &barrier_dot, &barrier_adjoint, &barrier_dot_adjoint}) of_B->resize(rows);
@@ -75,8 +76,10 @@ JointSweep<T>::JointSweep(const NetworkShape& f, const NetworkShape& V, const Ne
                           const LossOptions& options)
     : shape_f_(f), shape_V_(V), options_(options), f_(f.layers), V_(V.layers), B_(B.layers) {
   dimension_ = f_.inputs();
-  check(f_.outputs() == dimension_ && V_.inputs() == dimension_ && B_.inputs() == dimension_ && B_.outputs() == 1,
-        "joint sweep: f has {} inputs and {} outputs, V {} inputs, B {} inputs and {} outputs, expected n, n, n, n, 1",
+  check(f_.outputs() == dimension_ && V_.inputs() == dimension_ && B_.inputs() == dimension_ &&
+            B_.outputs() == 1,
+        "joint sweep: f has {} inputs and {} outputs, V {} inputs, B {} inputs and {} outputs, expected n, "
+        "n, n, n, 1",
         f_.inputs(), f_.outputs(), V_.inputs(), B_.inputs(), B_.outputs());
   check(f.head != Head::squared_norm && V.head != Head::anchored && B.head == Head::plain &&
             (V.head == Head::squared_norm || V_.outputs() == 1),
@@ -104,7 +107,9 @@ void JointSweep<T>::share_out(const BatchView<T>& batch) {
       all.push_back(work);
     }
   };
-  const auto products = [](const FusedNetwork<T>& network) { return static_cast<double>(network.parameters()); };
+  const auto products = [](const FusedNetwork<T>& network) {
+    return static_cast<double>(network.parameters());
+  };
   const auto region = [&](const PointsView<T>& points, double weight, double sign, double margin,
                           double LossSums::*term) {
     Work work{.kind = Work::Kind::region, .points = nullptr, .first = 0, .rows = 0};
@@ -118,7 +123,8 @@ void JointSweep<T>::share_out(const BatchView<T>& batch) {
   tiles(batch.workspace, {.kind = Kind::workspace, .points = nullptr, .first = 0, .rows = 0},
         3.0 * products(f_) + 6.0 * (products(V_) + products(B_)));
   if (options_.mse > 0.0)
-    tiles(batch.position, {.kind = Kind::demonstrations, .points = nullptr, .first = 0, .rows = 0}, 3.0 * products(f_));
+    tiles(batch.position, {.kind = Kind::demonstrations, .points = nullptr, .first = 0, .rows = 0},
+          3.0 * products(f_));
   region(batch.initial, options_.separation, 1.0, options_.margin_initial, &LossSums::separation);
   region(batch.unsafe, options_.separation, -1.0, options_.margin_unsafe, &LossSums::separation);
   if (options_.kind != "paper") {
@@ -136,8 +142,10 @@ void JointSweep<T>::share_out(const BatchView<T>& batch) {
 
 template <typename T>
 void JointSweep<T>::take_origins() {
-  if (shape_f_.head == Head::anchored) f_.forward(1, origin_.data(), nullptr, f_at_origin_.data(), nullptr, nullptr);
-  if (shape_V_.head != Head::plain) V_.forward(1, origin_.data(), nullptr, V_at_origin_.data(), nullptr, nullptr);
+  if (shape_f_.head == Head::anchored)
+    f_.forward(1, origin_.data(), nullptr, f_at_origin_.data(), nullptr, nullptr);
+  if (shape_V_.head != Head::plain)
+    V_.forward(1, origin_.data(), nullptr, V_at_origin_.data(), nullptr, nullptr);
 }
 
 template <typename T>
@@ -197,8 +205,10 @@ SampleLoss paper_loss(const LossOptions& o, double V, double V_dot, double B_dot
   const Penalty positive = rectify(o.margin_positive - V, o.leak);
   const Penalty decrease = rectify(V_dot - o.margin_decrease, o.leak);
   const Penalty band = rectify(B_dot - o.margin_band, o.leak);
-  return {.lyapunov = o.lyapunov * (positive.value + decrease.value), .band = o.band * band.value,
-          .by_V = -o.lyapunov * positive.slope, .by_V_dot = o.lyapunov * decrease.slope,
+  return {.lyapunov = o.lyapunov * (positive.value + decrease.value),
+          .band = o.band * band.value,
+          .by_V = -o.lyapunov * positive.slope,
+          .by_V_dot = o.lyapunov * decrease.slope,
           .by_B_dot = o.band * band.slope};
 }
 
@@ -245,7 +255,8 @@ void JointSweep<T>::run_workspace(Chunk& chunk, const Work& work, const BatchVie
     T* tangent_adjoint = chunk.tangent_adjoint.data() + s * m;
     if (with_V && squared) {
       for (ptrdiff_t j = 0; j < m; ++j) {
-        feature_adjoint[j] = static_cast<T>(2.0 * by_V) * feature[j] + static_cast<T>(2.0 * by_V_dot) * tangent[j];
+        feature_adjoint[j] =
+            static_cast<T>(2.0 * by_V) * feature[j] + static_cast<T>(2.0 * by_V_dot) * tangent[j];
         tangent_adjoint[j] = static_cast<T>(2.0 * by_V_dot) * feature[j];
         chunk.V_origin_adjoint[j] -= feature_adjoint[j];
       }
@@ -278,7 +289,8 @@ void JointSweep<T>::run_origins() {
   Chunk& chunk = *chunks_.front();
   const auto go_back = [&](FusedTile<T>& tile, std::vector<T> Chunk::*adjoint, std::vector<T>& value) {
     for (std::size_t c = 1; c < chunks_.size(); ++c) {
-      for (std::size_t j = 0; j < (chunk.*adjoint).size(); ++j) (chunk.*adjoint)[j] += (*chunks_[c].*adjoint)[j];
+      for (std::size_t j = 0; j < (chunk.*adjoint).size(); ++j)
+        (chunk.*adjoint)[j] += (*chunks_[c].*adjoint)[j];
     }
     tile.forward(1, origin_.data(), nullptr, value.data(), nullptr);
     tile.backward((chunk.*adjoint).data(), nullptr, nullptr);

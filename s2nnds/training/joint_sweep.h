@@ -36,10 +36,10 @@ struct LossSums {
   double labels = 0.0;
 };
 
-// The loss of LossOptions and its gradients in closed form, in one pass over the batch: every tile of samples goes
-// forward through the networks it concerns, its loss is differentiated, and it goes back, all in cache. Tiles are
-// shared out over a fixed number of chunks, whose gradients are summed in order, so that the result does not depend
-// on the number of threads. f may be anchored or plain, V squared_norm or plain, B plain.
+// The loss of LossOptions and its gradients in closed form, in one pass over the batch: every tile of samples
+// goes forward through the networks it concerns, its loss is differentiated, and it goes back, all in cache.
+// Tiles are shared out over a fixed number of chunks, whose gradients are summed in order, so that the result
+// does not depend on the number of threads. f may be anchored or plain, V squared_norm or plain, B plain.
 template <typename T>
 class JointSweep {
  public:

@@ -84,8 +84,9 @@ class Trainer::Impl {
 
   bool finished() const {
     if (!is_certified()) return history_.back().round >= options_.rounds;
-    return std::count_if(history_.begin(), history_.end(), [](const RoundSummary& row) { return row.growing; }) >=
-           (uses_labels() ? options_.growth_rounds : 0);
+    return std::count_if(history_.begin(), history_.end(), [](const RoundSummary& row) {
+             return row.growing;
+           }) >= (uses_labels() ? options_.growth_rounds : 0);
   }
 
   // Whether a round ended clean; later ones only let B grow.

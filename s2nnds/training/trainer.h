@@ -41,7 +41,7 @@ struct TrainerState {
 };
 
 struct TrainerSummary {
-  bool clean = false;    // the networks are those of a round that ended without counterexamples from any source
+  bool clean = false;  // the networks are those of a round that ended without counterexamples from any source
   bool stopped = false;  // a callback asked to stop
   std::int64_t rounds = 0;
   double warm_start_mse = 0.0;
@@ -54,8 +54,8 @@ struct TrainerSummary {
 using RolloutLabels = std::function<std::vector<bool>(const LayerStack& f, const Points& starts)>;
 
 // The counterexample-guided loop (the paper's Algorithm 2): warm start of f, then rounds of joint training of
-// f, V and B, each followed by a search for counterexamples, until a round of at least min_rounds ends clean; then
-// rounds in which B alone grows.
+// f, V and B, each followed by a search for counterexamples, until a round of at least min_rounds ends clean;
+// then rounds in which B alone grows.
 class Trainer {
  public:
   // `demonstrations` are the training demonstrations, normalised. The problem must outlive the trainer.

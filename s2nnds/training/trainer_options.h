@@ -78,17 +78,17 @@ struct TrainerOptions {
   double rate_certificates = 3e-3;  // V and B
   double rate_decay = 0.9;          // a round
   double rate_floor = 0.05;         // least factor of the rates
-  double rate_end = 0.05;           // within a round the rates fall to this share (cosine): what noise of the steps
-                                    // leaves behind looks like violations that no training removes
+  double rate_end = 0.05;  // within a round the rates fall to this share (cosine): what noise of the steps
+                           // leaves behind looks like violations that no training removes
   std::int64_t rate_period =
-      16;             // rounds after which the decay starts anew: small rates do not leave a bad shape
-  // Rounds after the first clean one that train B alone, with f and V as they are and the labels weighing more, so that
-  // the safe set grows; what such a round makes of B is kept only if it is clean as well.
+      16;  // rounds after which the decay starts anew: small rates do not leave a bad shape
+  // Rounds after the first clean one that train B alone, with f and V as they are and the labels weighing
+  // more, so that the safe set grows; what such a round makes of B is kept only if it is clean as well.
   std::int64_t growth_rounds = 5;
-  double growth_labels = 4.0;   // factor of the labels' weight
-  double growth_margins = 2.0;  // factor of the separation's and the band's weights
-  double growth_rate = 0.5;     // factor of B's rate
-  double clip = 1.0;  // norm of each network's gradient
+  double growth_labels = 4.0;        // factor of the labels' weight
+  double growth_margins = 2.0;       // factor of the separation's and the band's weights
+  double growth_rate = 0.5;          // factor of B's rate
+  double clip = 1.0;                 // norm of each network's gradient
   std::int64_t label_points = 6000;  // relabelled every round by rollouts; 0: no labels
   // Demonstration samples nearer to Xu than this (per axis) leave the MSE term; twice this for demonstrations
   // that pass through Xu.

@@ -1,6 +1,5 @@
 #include "s2nnds/verification/branch_and_bound.h"
 
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>

@@ -10,10 +10,10 @@
 namespace s2nnds {
 
 struct BranchLimits {
-  std::int64_t max_boxes = 4000000;   // examined
-  std::int64_t max_depth = 100;       // bisections of a starting box
-  std::int64_t max_refuted = 2000;  // stop once so many boxes hold a certain violation
-  std::int64_t kept_boxes = 10000;    // open boxes that are returned
+  std::int64_t max_boxes = 4000000;  // examined
+  std::int64_t max_depth = 100;      // bisections of a starting box
+  std::int64_t max_refuted = 2000;   // stop once so many boxes hold a certain violation
+  std::int64_t kept_boxes = 10000;   // open boxes that are returned
   double max_seconds = 600.0;
 };
 

@@ -133,7 +133,8 @@ BENCHMARK(proof_of_run)->Unit(benchmark::kMillisecond)->UseRealTime();
 template <typename Velocity>
 void evaluate(benchmark::State& state, const Velocity& velocity) {
   double x[2] = {0.1, 0.3};
-  for (int i = 0; i < 100; ++i) benchmark::DoNotOptimize(velocity(x));  // TorchScript optimises itself meanwhile
+  for (int i = 0; i < 100; ++i)
+    benchmark::DoNotOptimize(velocity(x));  // TorchScript optimises itself meanwhile
   for (auto _ : state) {
     x[0] = x[0] > 1.0 ? -1.0 : x[0] + 1e-5;
     benchmark::DoNotOptimize(velocity(x));

@@ -70,7 +70,8 @@ class TrainingStep::Impl {
   Modules modules_;
   BatchTensors batch_;
   JointLoss loss_{modules_, {.kind = "paper"}};
-  torch::Tensor parameters_[3] = {modules_.f->network->theta, modules_.V->network->theta, modules_.B->network->theta};
+  torch::Tensor parameters_[3] = {modules_.f->network->theta, modules_.V->network->theta,
+                                  modules_.B->network->theta};
   FlatAdam optimizers_[3] = {{0.0, 1.0}, {0.0, 1.0}, {0.0, 1.0}};  // as in s2nnds/training/trainer.cpp
 };
 

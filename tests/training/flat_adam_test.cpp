@@ -6,7 +6,8 @@
 namespace s2nnds {
 namespace {
 
-// Against torch::optim::AdamW and clip_grad_norm_, over steps whose gradients are clipped at first and not at the end.
+// Against torch::optim::AdamW and clip_grad_norm_, over steps whose gradients are clipped at first and not at
+// the end.
 TEST(FlatAdam, TakesTheStepsOfTheLibrarys) {
   torch::manual_seed(1);
   const torch::Tensor target = torch::randn({1000}), start = torch::randn({1000});

@@ -1,8 +1,7 @@
-#include "s2nnds/training/joint_loss.h"
-
 #include <gtest/gtest.h>
 
 #include "s2nnds/conditions/lie_derivative.h"
+#include "s2nnds/training/joint_loss.h"
 
 namespace s2nnds {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "s2nnds/core/parallel.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
 #include "s2nnds/verification/goal_neighbourhood.h"
 #include "s2nnds/verification/network_function.h"
 #include "tests/verification/exact_network.h"
