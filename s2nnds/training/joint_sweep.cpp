@@ -15,11 +15,12 @@ using std::ptrdiff_t;
 constexpr ptrdiff_t kChunks = 4;            // the most threads that can share a step
 constexpr double kLeastParallelWork = 1e6;  // products; less is done before a second thread has woken up
 
-// relu(z) or, with a leak, the paper's leaky ReLU, and its derivative.
+// relu(z) or, with a leak, the paper's leaky ReLU, and its derivative. Comparisons are written so that NaN
+// goes through and ends the training, instead of looking like a condition that is met.
 struct Penalty {
   double value, slope;
 };
-Penalty rectify(double z, double leak) { return z > 0.0 ? Penalty{z, 1.0} : Penalty{leak * z, leak}; }
+Penalty rectify(double z, double leak) { return z <= 0.0 ? Penalty{leak * z, leak} : Penalty{z, 1.0}; }
 
 }  // namespace
 
@@ -187,13 +188,13 @@ struct SampleLoss {
 SampleLoss robust_loss(const LossOptions& o, double V, double V_dot, double B, double B_dot) {
   SampleLoss loss;
   const double scale = V + 1e-6, q = V_dot / scale + o.kappa;
-  if (q > 0.0) {
+  if (!(q <= 0.0)) {
     loss.lyapunov = o.lyapunov * std::log1p(q);
     loss.by_V_dot = o.lyapunov / (1.0 + q) / scale;
     loss.by_V = -loss.by_V_dot * V_dot / scale;
   }
   const double z = B_dot + o.margin_band;
-  if (z > 0.0) {
+  if (!(z <= 0.0)) {
     const double weight = o.band * std::exp(-(B / o.band_width) * (B / o.band_width));
     loss.band = weight * z;
     loss.by_B_dot = weight;

@@ -87,6 +87,25 @@ INSTANTIATE_TEST_SUITE_P(All, Engines, testing::ValuesIn(cases()), [](const auto
          (test.param.dtype == torch::kFloat64 ? "Double" : "Float");
 });
 
+// Else a network that has overflowed would look like one that meets every condition.
+TEST(JointLoss, NotANumberGoesThrough) {
+  for (const char* kind : {"robust", "paper"}) {
+    for (int network = 0; network < 3; ++network) {
+      const Case c{"tanh", 2, kind, torch::kFloat32};
+      Modules modules = make(c, Engine::fused);
+      torch::Tensor thetas[] = {modules.f->network->theta, modules.V->network->theta,
+                                modules.B->network->theta};
+      {
+        torch::NoGradGuard no_grad;
+        thetas[network].fill_(std::nan(""));
+      }
+      LossOptions options;
+      options.kind = kind;
+      EXPECT_TRUE(std::isnan(JointLoss(modules, options)(draw(c)).total.item<double>())) << kind << network;
+    }
+  }
+}
+
 // Equations (7) and (8) term by term on networks whose values are known: constants.
 TEST(PaperLoss, MatchesTheFormulas) {
   const Case c{"tanh", 2, "paper", torch::kFloat64};
