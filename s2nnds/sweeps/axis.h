@@ -10,10 +10,10 @@ namespace s2nnds {
 // Values are kept as TOML text, since that is what a configuration is overridden with.
 struct Axis {
   std::string key;
-  std::vector<std::string> also;
+  std::vector<std::string> also = {};
   std::int64_t line = 0;  // of the sweep's file, for messages
 
-  std::vector<std::string> values;  // a list; empty: a range
+  std::vector<std::string> values = {};  // a list; empty: a range
   double low = 0.0;
   double high = 1.0;
   bool logarithmic = false;
