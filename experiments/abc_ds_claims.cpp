@@ -35,7 +35,7 @@ struct Published {
   std::vector<Polynomial> f, V, B;
 };
 
-// The solver leaves linear terms of some 1e-15 in V, by which V < 0 somewhere arbitrarily near the goal. They
+// The solver leaves linear terms below 1e-15 in V, by which V < 0 somewhere arbitrarily near the goal. They
 // are noise, and are dropped here: what is judged is the V that was meant.
 Polynomial without_linear_noise(const Polynomial& V) {
   Vector coefficients = V.coefficients();

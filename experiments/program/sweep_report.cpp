@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "s2nnds/core/whole_file.h"
 #include "s2nnds/sweeps/result_table.h"
 
 namespace s2nnds::program {
@@ -77,7 +78,7 @@ void print_trials(const Sweep& sweep, bool json) {
 void write_tables(const Sweep& sweep, const SweepFolder& folder, const SweepState& state) {
   const ResultTable table = make_table(sweep, state);
   write_table(folder.file("table.h5"), table, sweep.options);
-  replace_file(folder.file("table.csv"), to_csv(table));
+  write_whole_file(folder.file("table.csv"), to_csv(table), "the table");
 }
 
 bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepState& state, bool json) {

@@ -34,11 +34,12 @@ inline bool is_violated(Condition condition, double residual) {
   return allows_zero(condition) ? !(residual <= 0.0) : !(residual < 0.0);
 }
 
+// Single precision is for searching: a residual near 0 may have the wrong sign.
+enum class Precision { single_, double_ };
+
 // The residuals at N points [N, n] -> [N, condition_count]; -infinity where a condition does not apply, NaN
 // where a network overflows. `band` is eps_B, the half-width of the band around {B = 0}. Nothing applies
 // outside X; a point at the goal itself (x = 0 exactly) is outside rho_1 and rho_2.
-// Single precision is for searching: a residual near 0 may have the wrong sign.
-enum class Precision { single_, double_ };
 Points residuals(const Networks& networks, const SafetyProblem& problem, double band, const Points& x,
                  Precision precision = Precision::double_);
 

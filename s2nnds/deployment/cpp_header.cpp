@@ -6,17 +6,15 @@
 #include <iterator>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/whole_file.h"
 #include "s2nnds/deployment/policy_kernels.h"
-#include "s2nnds/deployment/whole_file.h"
+#include "s2nnds/networks/dense_kernels.h"
 
 namespace s2nnds {
 namespace {
 
-constexpr Eigen::Index kPadding = 16;  // numbers: a multiple of every register's width
-constexpr Eigen::Index kNarrow = 8;    // fewer outputs are computed one by one, along the inputs
+constexpr Eigen::Index kNarrow = 8;  // fewer outputs are computed one by one, along the inputs
 constexpr std::size_t kNumbersALine = 10;
-
-Eigen::Index padded(Eigen::Index width) { return (width + kPadding - 1) / kPadding * kPadding; }
 
 // A literal that the compiler reads back as exactly this value.
 std::string literal(double value, bool single) {
@@ -89,7 +87,7 @@ class NetworkSource {
   Eigen::Index outputs() const { return padded(stack_.layers.back().weight.rows()); }
   bool is_narrow(std::size_t k) const {
     const Points& weight = stack_.layers[k].weight;
-    return k > 0 && weight.rows() < kNarrow && weight.cols() >= kPadding;
+    return k > 0 && weight.rows() < kNarrow && weight.cols() >= kLanePadding;
   }
 
   void write_array(const std::string& name, const Points& values) {

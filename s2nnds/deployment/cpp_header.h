@@ -24,9 +24,9 @@ std::string policy_namespace(const std::string& path);
 //   velocity(x, v), lyapunov(x), barrier(x), safe(x) with x [n] a position in the data's unit, goal-centred,
 //   and v [n] in that unit per second: what the methods of the TorchScript policy compute. NaN in gives NaN
 //   (and not safe) out. V and B are computed in double whatever the precision, so that `safe` decides as the
-//   certified barrier does. Constants dimension, position_scale, velocity_scale, name, unit, guarantee,
-//   statement, weight_hash, workspace [2 n] (lower corner, then upper corner, data's unit), precision,
-//   disturbance_margin and float32_error (unit per second).
+//   certified barrier does but for rounding in double (some 1e-14 of B). Constants dimension, position_scale,
+//   velocity_scale, name, unit, guarantee, statement, weight_hash, workspace [2 n] (lower corner, then upper
+//   corner, data's unit), precision, disturbance_margin and float32_error (unit per second).
 // Loops are written for the vector registers of GCC and Clang (SSE2 to AVX-512, NEON) as the flags allow, and
 // run one by one elsewhere. f(0) = 0 exactly for anchored networks. The file is written beside `path` and
 // renamed. Throws Error if it cannot be written, or if the networks do not fit.

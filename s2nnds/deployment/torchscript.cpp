@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/deployment/whole_file.h"
+#include "s2nnds/core/whole_file.h"
 
 namespace s2nnds {
 namespace {

@@ -1,14 +1,11 @@
 #include "s2nnds/sweeps/sweep_folder.h"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/whole_file.h"
 
 namespace s2nnds {
 namespace {
@@ -43,7 +40,7 @@ std::string frozen_text(const Sweep& sweep) {
 
 void freeze_file(const std::string& folder, const std::string& path, const std::string& text) {
   if (!fs::exists(path)) {
-    replace_file(path, text);
+    write_whole_file(path, text, "the sweep");
     return;
   }
   check(read_whole(path) == text,
@@ -66,19 +63,6 @@ void SweepFolder::freeze(const Sweep& sweep) const {
   make_folders(file("configs"));
   for (const BaseConfig& base : sweep.configs) freeze_file(path_, config(base), base.text);
   freeze_file(path_, sweep_file(), frozen_text(sweep));  // last: where it is, the others are
-}
-
-void replace_file(const std::string& path, const std::string& text) {
-  const std::string partial = fmt::format("{}.{}.partial", path, ::getpid());
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  const bool written = file.good() && std::rename(partial.c_str(), path.c_str()) == 0;
-  if (!written) {
-    const std::string reason = std::strerror(errno);
-    std::remove(partial.c_str());
-    fail("{}: cannot write it: {}", path, reason);
-  }
 }
 
 }  // namespace s2nnds

@@ -37,7 +37,4 @@ class SweepFolder {
   std::string path_;
 };
 
-// Replaces the file whole, so that who reads it meanwhile finds the old or the new one.
-void replace_file(const std::string& path, const std::string& text);
-
 }  // namespace s2nnds

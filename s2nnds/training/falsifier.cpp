@@ -86,6 +86,7 @@ Counterexamples RandomFalsifier::find(const Networks& networks, const SafetyProb
                                       std::uint64_t seed, std::int64_t round) {
   RandomStream random(seed, "falsifier/random", round);
   const Points x = all_samples(problem, samplers_, options_.samples, random);
+  // In single precision: whoever calls a run verified has looked again in double.
   return violators(x, residuals(networks, problem, band, x, Precision::single_), options_.keep);
 }
 

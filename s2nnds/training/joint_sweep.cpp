@@ -1,7 +1,6 @@
 #include "s2nnds/training/joint_sweep.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "s2nnds/core/check.h"

@@ -27,7 +27,8 @@ struct NetworkShape {
   double quadratic = 0.0;
 };
 
-// The terms of a step's loss, each with its weight applied, except mse.
+// The terms of a step's loss, each with its weight applied, except mse; 0 where the weight is 0, since
+// nothing is computed for it then.
 struct LossSums {
   double mse = 0.0;
   double lyapunov = 0.0;

@@ -68,29 +68,29 @@ class Trainer::Impl {
       summary.stopped = !report(row, owner);
     }
     while (!summary.stopped && !finished()) {
-      const LayerStack certified = modules_.B->snapshot();
-      const bool growing = is_certified();
+      const LayerStack before = modules_.B->snapshot();
+      const bool growing = had_clean_round();
       RoundSummary row = train_round(static_cast<std::int64_t>(history_.size()), growing);
       search(row);
-      if (growing && !row.clean()) modules_.B->restore(certified);
+      if (growing && !row.clean()) modules_.B->restore(before);
       row.seconds = seconds();
       summary.stopped = !report(row, owner);
     }
     summary.rounds = history_.back().round;
-    summary.clean = is_certified();
+    summary.clean = had_clean_round();
     summary.seconds = seconds();
     return summary;
   }
 
   bool finished() const {
-    if (!is_certified()) return history_.back().round >= options_.rounds;
+    if (!had_clean_round()) return history_.back().round >= options_.rounds;
     return std::count_if(history_.begin(), history_.end(), [](const RoundSummary& row) {
              return row.growing;
            }) >= (uses_labels() ? options_.growth_rounds : 0);
   }
 
-  // Whether a round ended clean; later ones only let B grow.
-  bool is_certified() const {
+  // Rounds after the first clean one only let B grow.
+  bool had_clean_round() const {
     return std::any_of(history_.begin(), history_.end(), [&](const RoundSummary& row) {
       return row.round >= options_.min_rounds && row.clean();
     });

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "random_policy.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
 #include "s2nnds/verification/disturbance_margin.h"
@@ -25,45 +26,16 @@ constexpr const char* kWarnings =
     "-std=c++17 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Werror";
 constexpr const char* kFast = "-O3 -march=native";
 
-LayerStack random_stack(const std::vector<int>& sizes, Activation activation, bool bias,
-                        RandomStream& random) {
-  LayerStack stack;
-  for (std::size_t l = 0; l + 1 < sizes.size(); ++l) {
-    const auto draw = [&] { return random.normal() / std::sqrt(sizes[l]); };
-    Layer layer;
-    layer.weight = Points::NullaryExpr(sizes[l + 1], sizes[l], draw);
-    if (bias) layer.bias = Vector::NullaryExpr(sizes[l + 1], draw);
-    layer.activation = l + 2 < sizes.size() ? activation : Activation::identity;
-    stack.layers.push_back(layer);
-  }
-  return stack;
-}
-
 // Every head, layers with and without biases, widths on and off the padding, a bottleneck.
 Networks random_networks(int n, Activation activation, RandomStream& random) {
   Networks networks;
-  networks.f = random_stack({n, 40, 17, n}, activation, true, random);
+  networks.f = random_stack({n, 40, 17, n}, activation, true, false, random);
   networks.f.head = Head::anchored;
-  networks.V = random_stack({n, 20, 7, 33, 9}, activation, true, random);
+  networks.V = random_stack({n, 20, 7, 33, 9}, activation, true, false, random);
   networks.V.head = Head::squared_norm;
   networks.V.quadratic = 0.3;
-  networks.B = random_stack({n, 16, 5, 1}, activation, false, random);
+  networks.B = random_stack({n, 16, 5, 1}, activation, false, false, random);
   return networks;
-}
-
-PolicyInfo info(int n) {
-  PolicyInfo info;
-  info.name = "Loop \"1\"\\";
-  info.position_scale = 40.0;
-  info.velocity_scale = 25.0;
-  info.unit = "mm";
-  info.guarantee = "conformal";
-  info.statement = "Line one,\nline \"two\" ?\?/ \\";
-  info.workspace_lower = Vector::Constant(n, -1.25);
-  info.workspace_upper = Vector::Constant(n, 1.5);
-  info.disturbance_margin = 0.25;
-  info.float32_error = 1e-5;
-  return info;
 }
 
 // What the compiled driver printed, row by row.
@@ -132,7 +104,7 @@ class CppHeader : public testing::Test {
   void expect_same(const Networks& networks, HeaderPrecision precision, double allowed,
                    const std::string& flags) {
     const Eigen::Index n = networks.f.input_dimension();
-    export_cpp_header(networks, info(static_cast<int>(n)), precision, path("policy.h"));
+    export_cpp_header(networks, random_policy_info(static_cast<int>(n)), precision, path("policy.h"));
     const Points z = Points::NullaryExpr(300, n, [&] { return random_.uniform(-1.25, 1.5); });
     const Answers found = ask(40.0 * z, flags);
     EXPECT_LE((found.velocity / 25.0 - networks.f.value(z)).rowwise().norm().maxCoeff(), allowed) << flags;
@@ -169,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(All, CppHeaderOf,
 
 TEST_F(CppHeader, FloatStaysWithinTheCertificatesBoundNearlyTightly) {
   Networks networks = random_networks(2, Activation::tanh, random_);
-  networks.f = random_stack({2, 64, 64, 64, 2}, Activation::tanh, true, random_);
+  networks.f = random_stack({2, 64, 64, 64, 2}, Activation::tanh, true, false, random_);
   networks.f.head = Head::anchored;
   for (const char* flags : {"-O0", "-O2", kFast, "-O2 -DPOLICY_WITHOUT_VECTORS"}) {
     expect_same(networks, HeaderPrecision::float32, std::min(float_bound(networks.f), 5e-6), flags);
@@ -178,10 +150,10 @@ TEST_F(CppHeader, FloatStaysWithinTheCertificatesBoundNearlyTightly) {
 
 TEST_F(CppHeader, OneLayerAndThePapersForm) {
   Networks networks = random_networks(3, Activation::elu, random_);
-  networks.f = random_stack({3, 64, 64, 3}, Activation::tanh, false, random_);
+  networks.f = random_stack({3, 64, 64, 3}, Activation::tanh, false, false, random_);
   networks.f.layers.back().activation = Activation::tanh;
-  networks.V = random_stack({3, 1}, Activation::identity, false, random_);
-  networks.B = random_stack({3, 16, 1}, Activation::elu, true, random_);
+  networks.V = random_stack({3, 1}, Activation::identity, false, false, random_);
+  networks.B = random_stack({3, 16, 1}, Activation::elu, true, false, random_);
   networks.B.layers.back().activation = Activation::softplus;
   expect_same(networks, HeaderPrecision::float32, float_bound(networks.f), "-O2");
   expect_same(networks, HeaderPrecision::float64, 1e-13, "-O0");
@@ -190,7 +162,7 @@ TEST_F(CppHeader, OneLayerAndThePapersForm) {
 TEST_F(CppHeader, TheGoalIsAnEquilibriumExactly) {
   const Networks networks = random_networks(2, Activation::silu, random_);
   for (const HeaderPrecision precision : {HeaderPrecision::float32, HeaderPrecision::float64}) {
-    export_cpp_header(networks, info(2), precision, path("policy.h"));
+    export_cpp_header(networks, random_policy_info(2), precision, path("policy.h"));
     for (const char* flags : {"-O0", kFast}) {
       const Answers found = ask(Points::Zero(1, 2), flags);
       EXPECT_EQ(found.velocity, Points::Zero(1, 2)) << flags;
@@ -202,8 +174,8 @@ TEST_F(CppHeader, TheGoalIsAnEquilibriumExactly) {
 TEST_F(CppHeader, NanStaysNanAndFarPointsStayFinite) {
   for (const Activation activation :
        {Activation::tanh, Activation::elu, Activation::softplus, Activation::silu}) {
-    export_cpp_header(random_networks(2, activation, random_), info(2), HeaderPrecision::float32,
-                      path("policy.h"));
+    export_cpp_header(random_networks(2, activation, random_), random_policy_info(2),
+                      HeaderPrecision::float32, path("policy.h"));
     const Answers found = ask(Points{{NAN, 0.0}, {0.0, NAN}, {1e9, -1e9}, {-1e9, 1e3}}, kFast);
     for (int i : {0, 1}) {
       EXPECT_TRUE(found.velocity.row(i).array().isNaN().all()) << to_string(activation);
@@ -220,7 +192,7 @@ TEST_F(CppHeader, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
   above.weight = Points{{0.0, 1.0}};
   networks.B = {};
   networks.B.layers = {above};
-  export_cpp_header(networks, info(2), HeaderPrecision::float32, path("policy.h"));
+  export_cpp_header(networks, random_policy_info(2), HeaderPrecision::float32, path("policy.h"));
   // Workspace [-50, 60]^2.
   const Answers found =
       ask(Points{{10, -5}, {10, 5}, {10, -55}, {-55, -5}, {59, -5}, {61, -5}, {10, 0}, {60, -50}}, "-O2");
@@ -230,8 +202,9 @@ TEST_F(CppHeader, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
 
 TEST_F(CppHeader, CarriesWhatIsGuaranteedOfWhichWeights) {
   const Networks networks = random_networks(3, Activation::tanh, random_);
-  export_cpp_header(networks, info(3), HeaderPrecision::float64, path("policy.h"));
-  export_cpp_header(networks, info(3), HeaderPrecision::float32, path("9 lives-x.h"));  // both in one program
+  export_cpp_header(networks, random_policy_info(3), HeaderPrecision::float64, path("policy.h"));
+  export_cpp_header(networks, random_policy_info(3), HeaderPrecision::float32,
+                    path("9 lives-x.h"));  // both in one program
   std::ofstream(path("main.cpp")) << fmt::format(R"(
 #include "policy.h"
 #include "9 lives-x.h"
@@ -257,7 +230,7 @@ TEST_F(CppHeader, RefusesWhatItCannotWrite) {
   Networks networks = random_networks(2, Activation::tanh, random_);
   const auto refused = [&](const std::string& name, int n, const std::string& words) {
     try {
-      export_cpp_header(networks, info(n), HeaderPrecision::float32, path(name));
+      export_cpp_header(networks, random_policy_info(n), HeaderPrecision::float32, path(name));
       ADD_FAILURE() << "expected an Error";
     } catch (const Error& e) {
       EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << e.what();

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "random_policy.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
 
@@ -19,45 +20,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-LayerStack random_stack(const std::vector<int>& sizes, Activation activation, bool bias,
-                        RandomStream& random) {
-  LayerStack stack;
-  for (std::size_t l = 0; l + 1 < sizes.size(); ++l) {
-    Layer layer;
-    // Weights that float32 holds exactly, so that double evaluation of the policy is exact too.
-    const auto draw = [&] {
-      return static_cast<double>(static_cast<float>(random.normal() / std::sqrt(sizes[l])));
-    };
-    layer.weight = Points::NullaryExpr(sizes[l + 1], sizes[l], draw);
-    if (bias) layer.bias = Vector::NullaryExpr(sizes[l + 1], draw);
-    layer.activation = l + 2 < sizes.size() ? activation : Activation::identity;
-    stack.layers.push_back(layer);
-  }
-  return stack;
-}
-
 Networks random_networks(int n, Activation activation, RandomStream& random) {
   Networks networks;
-  networks.f = random_stack({n, 12, 9, n}, activation, true, random);
+  networks.f = random_stack({n, 12, 9, n}, activation, true, true, random);
   networks.f.head = Head::anchored;
-  networks.V = random_stack({n, 10, 7}, activation, true, random);
+  networks.V = random_stack({n, 10, 7}, activation, true, true, random);
   networks.V.head = Head::squared_norm;
   networks.V.quadratic = 0.3;
-  networks.B = random_stack({n, 8, 8, 1}, activation, false, random);
+  networks.B = random_stack({n, 8, 8, 1}, activation, false, true, random);
   return networks;
-}
-
-PolicyInfo info(int n) {
-  PolicyInfo info;
-  info.name = "Loop";
-  info.position_scale = 40.0;
-  info.velocity_scale = 25.0;
-  info.unit = "mm";
-  info.guarantee = "conformal";
-  info.statement = "With confidence \"1 - beta\" ...";
-  info.workspace_lower = Vector::Constant(n, -1.25);
-  info.workspace_upper = Vector::Constant(n, 1.5);
-  return info;
 }
 
 Points to_points(const torch::Tensor& values) {
@@ -89,7 +60,7 @@ TEST_F(Torchscript, EvaluatesTheSameNetworksInTheDatasUnit) {
        {Activation::tanh, Activation::elu, Activation::softplus, Activation::silu, Activation::sine}) {
     for (const int n : {2, 3}) {
       const Networks networks = random_networks(n, activation, random_);
-      export_torchscript(networks, info(n), path("policy.pt"));
+      export_torchscript(networks, random_policy_info(n), path("policy.pt"));
       torch::jit::Module policy = torch::jit::load(path("policy.pt"));
       const Points z = Points::NullaryExpr(200, n, [&] { return random_.normal(); });
       Points raw = 40.0 * z;
@@ -110,12 +81,12 @@ TEST_F(Torchscript, EvaluatesTheSameNetworksInTheDatasUnit) {
 
 TEST_F(Torchscript, CarriesWhatIsGuaranteedOfWhichWeights) {
   const Networks networks = random_networks(2, Activation::tanh, random_);
-  export_torchscript(networks, info(2), path("policy.pt"));
+  export_torchscript(networks, random_policy_info(2), path("policy.pt"));
   const torch::jit::Module policy = torch::jit::load(path("policy.pt"));
   EXPECT_EQ(policy.attr("guarantee").toStringRef(), "conformal");
-  EXPECT_EQ(policy.attr("statement").toStringRef(), "With confidence \"1 - beta\" ...");
+  EXPECT_EQ(policy.attr("statement").toStringRef(), random_policy_info(2).statement);
   EXPECT_EQ(policy.attr("weight_hash").toStringRef(), weight_hash(networks));
-  EXPECT_EQ(policy.attr("name").toStringRef(), "Loop");
+  EXPECT_EQ(policy.attr("name").toStringRef(), random_policy_info(2).name);
   EXPECT_EQ(policy.attr("unit").toStringRef(), "mm");
   EXPECT_EQ(policy.attr("dimension").toInt(), 2);
   EXPECT_EQ(policy.attr("position_scale").toDouble(), 40.0);
@@ -130,7 +101,7 @@ TEST_F(Torchscript, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
   above.weight = Points{{0.0, 1.0}};
   networks.B = {};
   networks.B.layers = {above};
-  export_torchscript(networks, info(2), path("policy.pt"));
+  export_torchscript(networks, random_policy_info(2), path("policy.pt"));
   torch::jit::Module policy = torch::jit::load(path("policy.pt"));
   // Workspace [-50, 60]^2: below the line, above it, and below it but outside of the workspace.
   const torch::Tensor x =
@@ -142,25 +113,25 @@ TEST_F(Torchscript, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
 TEST_F(Torchscript, WritesTheFileWholeOrNotAtAll) {
   const Networks networks = random_networks(2, Activation::tanh, random_);
   try {
-    export_torchscript(networks, info(2), path("nowhere/policy.pt"));
+    export_torchscript(networks, random_policy_info(2), path("nowhere/policy.pt"));
     FAIL() << "expected an Error";
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("nowhere/policy.pt: cannot write"), std::string::npos) << e.what();
   }
   fs::create_directory(path("folder.pt"));
-  EXPECT_THROW(export_torchscript(networks, info(2), path("folder.pt")), Error);
+  EXPECT_THROW(export_torchscript(networks, random_policy_info(2), path("folder.pt")), Error);
   EXPECT_EQ(files(), 1u);
   std::ofstream(path("policy.pt")) << "older";
-  export_torchscript(networks, info(2), path("policy.pt"));
-  EXPECT_EQ(torch::jit::load(path("policy.pt")).attr("name").toStringRef(), "Loop");
+  export_torchscript(networks, random_policy_info(2), path("policy.pt"));
+  EXPECT_EQ(torch::jit::load(path("policy.pt")).attr("name").toStringRef(), random_policy_info(2).name);
   EXPECT_EQ(files(), 2u);
 }
 
 TEST_F(Torchscript, RefusesNetworksThatDoNotFit) {
   Networks networks = random_networks(2, Activation::tanh, random_);
-  EXPECT_THROW(export_torchscript(networks, info(3), path("policy.pt")), Error);
+  EXPECT_THROW(export_torchscript(networks, random_policy_info(3), path("policy.pt")), Error);
   networks.f.layers[1].weight(0, 0) = NAN;
-  EXPECT_THROW(export_torchscript(networks, info(2), path("policy.pt")), Error);
+  EXPECT_THROW(export_torchscript(networks, random_policy_info(2), path("policy.pt")), Error);
   EXPECT_EQ(files(), 0u);
 }
 

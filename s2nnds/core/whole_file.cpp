@@ -1,4 +1,4 @@
-#include "s2nnds/deployment/whole_file.h"
+#include "s2nnds/core/whole_file.h"
 
 #include <unistd.h>
 
@@ -22,7 +22,7 @@ bool write_file(const std::string& path, const std::string& bytes) {
 }  // namespace
 
 void write_whole_file(const std::string& path, const std::string& bytes, const std::string& what) {
-  const std::string temporary = fmt::format("{}.{}.tmp", path, ::getpid());
+  const std::string temporary = fmt::format("{}.{}.partial", path, ::getpid());
   errno = 0;
   if (write_file(temporary, bytes) && std::rename(temporary.c_str(), path.c_str()) == 0) return;
   const std::string reason = std::strerror(errno);
