@@ -17,6 +17,15 @@ namespace s2nnds {
 namespace {
 
 constexpr std::int64_t kBandCandidates = 20000;  // points among which those near {B = 0} are sought
+// Factors of the labels' weight after a growth round that failed, and after one that did not.
+constexpr double kGrowthRetreat = 0.5, kGrowthAdvance = 1.5;
+
+// What a round trains, how fast and towards what.
+struct RoundPlan {
+  bool only_barrier = false;
+  double rate = 1.0;  // factor of all rates
+  LossOptions loss;
+};
 
 torch::Tensor tensor(const Points& points) {
   return torch::from_blob(const_cast<double*>(points.data()), {points.rows(), points.cols()}, torch::kFloat64)
@@ -147,16 +156,14 @@ class Trainer::Impl {
     row.round = round;
     row.growing = growing;
     label(row);
-    const auto age = static_cast<double>((round - 1) % options_.rate_period);
-    const double factor =
-        growing ? options_.growth_rate : std::max(options_.rate_floor, std::pow(options_.rate_decay, age));
+    const RoundPlan plan = plan_of(round, growing);
     // Each round starts afresh, so that a checkpoint needs no optimiser state.
     std::vector<FlatAdam> optimizers(3, FlatAdam(0.0, options_.clip));
     torch::Tensor parameters[] = {modules_.f->network->theta, modules_.V->network->theta,
                                   modules_.B->network->theta};
     const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
-    JointLoss loss(modules_, growing ? growth_loss() : options_.loss);
-    const std::size_t first_trained = growing ? 2 : 0;
+    JointLoss loss(modules_, plan.loss);
+    const std::size_t first_trained = plan.only_barrier ? 2 : 0;
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     for (std::int64_t step = 0; step < options_.steps; ++step) {
       if (step % options_.batch.band_refresh == 0) seek_band(candidates);
@@ -164,7 +171,7 @@ class Trainer::Impl {
       for (torch::Tensor& parameter : parameters) parameter.mutable_grad() = torch::Tensor();
       terms.total.backward();
       for (std::size_t k = first_trained; k < optimizers.size(); ++k) {
-        optimizers[k].step(factor * annealed(step) * rates[k], parameters[k].numel(),
+        optimizers[k].step(plan.rate * annealed(step) * rates[k], parameters[k].numel(),
                            parameters[k].grad().data_ptr<float>(), parameters[k].data_ptr<float>());
       }
       const double share = 1.0 / static_cast<double>(options_.steps);
@@ -179,21 +186,57 @@ class Trainer::Impl {
     return row;
   }
 
-  // What concerns B alone.
-  LossOptions growth_loss() const {
-    LossOptions loss = options_.loss;
-    loss.mse = loss.lyapunov = 0.0;
-    loss.labels *= options_.growth_labels;
-    loss.separation *= options_.growth_margins;
-    loss.band *= options_.growth_margins;
-    return loss;
+  RoundPlan plan_of(std::int64_t round, bool growing) const {
+    if (growing) return growth_plan();
+    const auto age = static_cast<double>((round - 1) % options_.rate_period);
+    RoundPlan plan = {false, std::max(options_.rate_floor, std::pow(options_.rate_decay, age)),
+                      options_.loss};
+    const std::int64_t mending = mending_round();
+    if (mending == 0) return plan;
+    plan.rate *= options_.mend_rate;
+    plan.loss.labels *= std::pow(options_.mend_labels, mending);
+    return plan;
   }
 
-  // The share of the round's rate at a step: half a cosine from 1 down to rate_end.
+  // Which one in a row of rounds that mend the next round is; 0 if it does not mend. A row that ends without
+  // success is followed by a round at full rates: what is left may lie in the shape of the functions.
+  std::int64_t mending_round() const {
+    const auto other = std::find_if(history_.rbegin(), history_.rend(),
+                                    [&](const RoundSummary& row) { return !nearly_clean(row); });
+    return std::distance(history_.rbegin(), other) % (options_.mend_rounds + 1);
+  }
+
+  // Random search found few counterexamples; those that are left may be none of its own.
+  bool nearly_clean(const RoundSummary& row) const {
+    if (row.round < options_.min_rounds || row.growing) return false;
+    return row.counterexamples() < options_.mend_below || row.source != sources.front()->name();
+  }
+
+  // What concerns B alone.
+  RoundPlan growth_plan() const {
+    double weight = options_.growth_labels;
+    for (const RoundSummary& row : history_) {
+      if (!row.growing) continue;
+      weight = std::clamp(weight * (row.clean() ? kGrowthAdvance : kGrowthRetreat), 1.0,
+                          std::max(1.0, options_.growth_labels));
+    }
+    RoundPlan plan = {true, options_.growth_rate, options_.loss};
+    plan.loss.mse = plan.loss.lyapunov = 0.0;
+    plan.loss.labels *= weight;
+    plan.loss.separation *= options_.growth_margins;
+    plan.loss.band *= options_.growth_margins;
+    return plan;
+  }
+
+  // The share of the round's rate at a step: half a cosine from 1 down to rate_end, after a linear rise,
+  // since the optimiser's first steps know nothing of the gradient's size and move every weight by the whole
+  // rate.
   double annealed(std::int64_t step) const {
     const double progress = static_cast<double>(step) / static_cast<double>(options_.steps);
     const double fall = 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
-    return options_.rate_end + (1.0 - options_.rate_end) * fall;
+    const double rise =
+        std::min(1.0, static_cast<double>(step + 1) / static_cast<double>(options_.rate_rise));
+    return rise * (options_.rate_end + (1.0 - options_.rate_end) * fall);
   }
 
   bool uses_labels() const {

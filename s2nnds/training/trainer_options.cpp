@@ -57,7 +57,12 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("rate_decay", rate_decay, {.low = 0.0, .high = 1.0, .open_low = true});
   v.field("rate_end", rate_end, between(0.0, 1.0));
   v.field("rate_floor", rate_floor, between(0.0, 1.0));
+  v.field("rate_rise", rate_rise, at_least(1));
   v.field("rate_period", rate_period, at_least(1));
+  v.field("mend_rounds", mend_rounds, at_least(0));
+  v.field("mend_below", mend_below, at_least(1));
+  v.field("mend_rate", mend_rate, above(0.0));
+  v.field("mend_labels", mend_labels, between(0.0, 1.0));
   v.field("growth_rounds", growth_rounds, at_least(0));
   v.field("growth_labels", growth_labels, at_least(0.0));
   v.field("growth_margins", growth_margins, at_least(0.0));
@@ -77,7 +82,8 @@ void TrainerOptions::visit(FieldVisitor& v) {
 TrainerOptions paper_training() {
   TrainerOptions options;
   options.label_points = 0;
-  options.growth_rounds = 0;
+  options.mend_rounds = options.growth_rounds = 0;
+  options.rate_rise = 1;
   options.keep_clear = 0.0;
   options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
@@ -88,7 +94,7 @@ TrainerOptions paper_training() {
                   .margin_initial = 0.01,
                   .margin_unsafe = 0.01,
                   .margin_band = 0.0};
-  options.batch.initial = options.batch.unsafe = 64;
+  options.batch.initial = options.batch.unsafe = options.batch.shell = 64;
   options.batch.share_band = options.batch.share_goal = 0.0;
   return options;
 }

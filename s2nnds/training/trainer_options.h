@@ -36,7 +36,7 @@ struct LossOptions {
   double mse = 20.0;
   double lyapunov = 5.0;
   double separation = 2.0;
-  double band = 5.0;
+  double band = 15.0;
   double labels = 1.0;
   double kappa = 0.1;
   double margin_initial = 0.05;
@@ -56,8 +56,8 @@ struct BatchOptions {
   std::int64_t demonstrations = 512;
   std::int64_t workspace = 512;
   std::int64_t initial = 128;
-  std::int64_t unsafe = 128;
-  std::int64_t shell = 128;
+  std::int64_t unsafe = 256;
+  std::int64_t shell = 256;
   std::int64_t labels = 256;  // half of them with safe rollouts
   // Shares of the workspace batch; the rest is uniform in X.
   double share_counterexamples = 0.3;
@@ -80,12 +80,20 @@ struct TrainerOptions {
   double rate_floor = 0.05;         // least factor of the rates
   double rate_end = 0.05;  // within a round the rates fall to this share (cosine): what noise of the steps
                            // leaves behind looks like violations that no training removes
+  std::int64_t rate_rise = 50;  // steps of a round over which the rates rise from 0
   std::int64_t rate_period =
       16;  // rounds after which the decay starts anew: small rates do not leave a bad shape
+  // A round after one in which random search found fewer counterexamples than this mends: its rates are
+  // lower, and the labels, which press {B = 0} against the motions where Bdot < 0 is hard to meet, weigh less
+  // with every such round. So many rounds may mend in a row, then one follows at full rates.
+  std::int64_t mend_rounds = 4;
+  std::int64_t mend_below = 200;
+  double mend_rate = 0.33;   // factor of all rates
+  double mend_labels = 0.6;  // factor of the labels' weight, once more with each mending round
   // Rounds after the first clean one that train B alone, with f and V as they are and the labels weighing
   // more, so that the safe set grows; what such a round makes of B is kept only if it is clean as well.
   std::int64_t growth_rounds = 5;
-  double growth_labels = 4.0;        // factor of the labels' weight
+  double growth_labels = 4.0;        // factor of the labels' weight, at most; less after such a round failed
   double growth_margins = 2.0;       // factor of the separation's and the band's weights
   double growth_rate = 0.5;          // factor of B's rate
   double clip = 1.0;                 // norm of each network's gradient

@@ -14,6 +14,15 @@ namespace {
 // Where no neighbourhood of the goal is proved, boxes this close to it are left open.
 constexpr double hopeless_radius = 1e-8;
 
+// What a condition gets once the time for the whole proof is used up.
+constexpr double least_seconds = 1e-9;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 struct Statement {
   Condition condition;
   const ProofFunctions& functions;
@@ -243,8 +252,7 @@ bool is_initial_in_workspace(const SafetyProblem& problem) {
   return true;
 }
 
-ConditionProof prove_condition(const Statement& statement, const BranchLimits& limits,
-                               const ProofProgress& progress) {
+ConditionProof decide(const Statement& statement, const BranchLimits& limits, const ProofProgress& progress) {
   Points lower, upper;
   starting_boxes(statement, lower, upper);
   const BranchResult found = branch_and_bound(
@@ -254,7 +262,6 @@ ConditionProof prove_condition(const Statement& statement, const BranchLimits& l
         if (progress) progress(statement.condition, state);
       });
   ConditionProof proof;
-  proof.condition = statement.condition;
   proof.open_lower = found.open_lower;
   proof.open_upper = found.open_upper;
   proof.witnesses = found.witnesses;
@@ -267,6 +274,20 @@ ConditionProof prove_condition(const Statement& statement, const BranchLimits& l
     proof.verdict.witness.assign(found.witnesses.data(), found.witnesses.data() + found.witnesses.cols());
   }
   return proof;
+}
+
+ConditionProof holds_by_construction(const SafetyProblem& problem) {
+  ConditionProof proof;
+  proof.verdict.verdict = "proved";
+  proof.open_lower = proof.open_upper = proof.witnesses = Points(0, problem.dimension());
+  return proof;
+}
+
+// Of the Lyapunov conditions, by interval Jacobians.
+double proved_cube(const ProofFunctions& functions, Condition condition, const ProofOptions& options) {
+  if (condition == Condition::lyapunov_positive) return positive_cube(*functions.V, options.goal_radius);
+  if (condition != Condition::lyapunov_decrease) return 0.0;
+  return decreasing_cube(*functions.f, *functions.V, options.goal_radius);
 }
 
 void check_dimensions(const ProofFunctions& functions, const SafetyProblem& problem) {
@@ -339,49 +360,49 @@ const ConditionProof& ProofResult::operator[](Condition condition) const {
   return *found;
 }
 
-ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double band,
-                  const ProofOptions& options, const ProofProgress& progress) {
+ConditionProof prove_condition(Condition condition, const ProofFunctions& functions,
+                               const SafetyProblem& problem, double band, const ProofOptions& options,
+                               const ProofProgress& progress) {
   validate(options);
   check_dimensions(functions, problem);
   check(band >= 0.0, "proof: band is {}, expected >= 0", band);
-  using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
-  const auto seconds = [](Clock::time_point since) {
-    return std::chrono::duration<double>(Clock::now() - since).count();
-  };
+  ConditionProof proof;
+  if (condition == Condition::lyapunov_positive && functions.V->is_positive_by_construction()) {
+    proof = holds_by_construction(problem);
+  } else {
+    const double cube = proved_cube(functions, condition, options);
+    BranchLimits limits;
+    limits.max_boxes = options.max_boxes;
+    limits.max_refuted = options.max_refuted;
+    limits.kept_boxes = options.kept_boxes;
+    limits.max_seconds = options.max_seconds - seconds_since(start);
+    proof = decide({condition, functions, problem, band, cube}, limits, progress);
+    proof.goal_cube = cube;
+  }
+  proof.condition = condition;
+  proof.verdict.condition = to_string(condition);
+  proof.verdict.method = "proof";
+  proof.verdict.seconds = seconds_since(start);
+  return proof;
+}
 
+ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double band,
+                  const ProofOptions& options, const ProofProgress& progress) {
+  const Clock::time_point start = Clock::now();
   ProofResult result;
-  result.goal_cube = decreasing_cube(*functions.f, *functions.V, options.goal_radius);
+  ProofOptions left = options;
   for (Condition condition : all_conditions) {
-    const Clock::time_point condition_start = Clock::now();
-    Statement statement = {condition, functions, problem, band, 0.0};
-    ConditionProof proof;
-    if (condition == Condition::lyapunov_positive && functions.V->is_positive_by_construction()) {
-      proof.condition = condition;
-      proof.verdict.verdict = "proved";
-      proof.open_lower = proof.open_upper = proof.witnesses = Points(0, problem.dimension());
-    } else {
-      if (condition == Condition::lyapunov_positive) {
-        statement.goal_cube = positive_cube(*functions.V, options.goal_radius);
-      }
-      if (condition == Condition::lyapunov_decrease) statement.goal_cube = result.goal_cube;
-      BranchLimits limits;
-      limits.max_boxes = options.max_boxes;
-      limits.max_refuted = options.max_refuted;
-      limits.kept_boxes = options.kept_boxes;
-      limits.max_seconds = options.max_seconds - seconds(start);
-      proof = prove_condition(statement, limits, progress);
-    }
-    proof.verdict.condition = to_string(condition);
-    proof.verdict.method = "proof";
-    proof.verdict.seconds = seconds(condition_start);
+    ConditionProof proof = prove_condition(condition, functions, problem, band, left, progress);
+    left.max_seconds = std::max(options.max_seconds - seconds_since(start), least_seconds);
+    if (condition == Condition::lyapunov_decrease) result.goal_cube = proof.goal_cube;
     result.boxes += proof.verdict.boxes;
     result.conditions.push_back(std::move(proof));
   }
   result.goal_is_safe = is_goal_safe(functions);
   result.initial_in_workspace = is_initial_in_workspace(problem);
   result.guarantee = guarantee_of(result, problem);
-  result.seconds = seconds(start);
+  result.seconds = seconds_since(start);
   return result;
 }
 

@@ -16,7 +16,7 @@ struct ProofOptions {
   std::int64_t max_boxes = 4000000;  // examined, for each condition
   std::int64_t max_refuted = 2000;   // a condition is given up once so many boxes hold a certain violation
   std::int64_t kept_boxes = 10000;   // open boxes returned, for each condition
-  double max_seconds = 600.0;        // for the whole proof
+  double max_seconds = 600.0;        // for the whole of what is to be proved
   double goal_radius = 0.08;         // largest cube around the goal that interval Jacobians are tried on
 
   // For the training loop: gives up early, with the boxes that are open by then.
@@ -36,6 +36,7 @@ struct ConditionProof {
   ConditionVerdict verdict;
   Points open_lower, open_upper;  // [kept, n] boxes left over, those with a certain violation first
   Points witnesses;  // [refuted, n] a point of each of these that violates the condition, the worst first
+  double goal_cube = 0.0;  // Lyapunov conditions: proved by interval Jacobians for 0 < |x|_inf <= goal_cube
 
   bool is_proved() const { return verdict.verdict == "proved"; }
   // `count` points [count, n] for training: the witnesses, then points drawn from the open boxes. Empty if
@@ -68,5 +69,10 @@ ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem,
                   const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
 ProofResult prove(const Networks& networks, const SafetyProblem& problem, double band,
                   const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
+
+// One condition alone, in the same way.
+ConditionProof prove_condition(Condition condition, const ProofFunctions& functions,
+                               const SafetyProblem& problem, double band, const ProofOptions& options = {},
+                               const ProofProgress& progress = nullptr);
 
 }  // namespace s2nnds

@@ -126,6 +126,27 @@ TEST(Trainer, LetsBGrowAndKeepsOnlyCleanRounds) {
   EXPECT_NE(hash(after[5].B), hash(after[4].B));
 }
 
+// With next to no rate a round that mends leaves the networks as they are.
+TEST(Trainer, MendsAfterNearlyCleanRoundsSoManyInARow) {
+  Fixture fixture;
+  fixture.options.rounds = 7;
+  fixture.options.min_rounds = 2;
+  fixture.options.mend_rounds = 2;
+  fixture.options.mend_below = 2;  // the source finds one in every round
+  fixture.options.mend_rate = 1e-12;
+  Trainer trainer(fixture.problem, fixture.demonstrations, fixture.networks, fixture.options, 5);
+  trainer.add_source(std::make_shared<ScriptedSource>(std::set<std::int64_t>{1, 2, 3, 4, 5, 6, 7}));
+  std::vector<std::string> hash;
+  trainer.on_round([&](const RoundSummary&, const Trainer& t) {
+    hash.push_back(weight_hash(t.networks()));
+    return true;
+  });
+  EXPECT_FALSE(trainer.run().clean);
+  std::vector<bool> moved;
+  for (std::size_t k = 1; k < hash.size(); ++k) moved.push_back(hash[k] != hash[k - 1]);
+  EXPECT_EQ(moved, (std::vector<bool>{true, true, false, false, true, false, false}));
+}
+
 TEST(Trainer, StopsWhenTheCallbackSaysSo) {
   Fixture fixture;
   Trainer trainer = fixture.trainer(1);

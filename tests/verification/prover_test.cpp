@@ -9,52 +9,10 @@
 #include "s2nnds/verification/goal_neighbourhood.h"
 #include "s2nnds/verification/network_function.h"
 #include "tests/verification/exact_network.h"
+#include "tests/verification/hand_made_system.h"
 
 namespace s2nnds {
 namespace {
-
-Layer layer(const Points& weight, const Vector& bias, Activation activation) {
-  return {weight, bias, activation};
-}
-
-// xdot = A x.
-LayerStack linear_field(const Points& a) {
-  LayerStack f;
-  f.layers = {layer(a, Vector(), Activation::identity)};
-  f.head = Head::anchored;
-  return f;
-}
-LayerStack stable_field() { return linear_field(-Points::Identity(2, 2)); }
-
-// |x|^2 + 0.05 |x|^2.
-LayerStack quadratic_lyapunov() {
-  LayerStack v;
-  v.layers = {layer(Points::Identity(2, 2), Vector(), Activation::identity)};
-  v.head = Head::squared_norm;
-  v.quadratic = 0.05;
-  return v;
-}
-
-constexpr double barrier_edge = 0.8, barrier_gain = 4.0, barrier_level = 1.2;
-
-// tanh(sum_i [2 + tanh(g (x_i - e)) - tanh(g (x_i + e))] - level): negative on a rounded square, and along -x
-// its derivative is negative everywhere but at 0.
-LayerStack square_barrier() {
-  Points inner = Points::Zero(4, 2), outer(1, 4);
-  Vector shift(4);
-  for (int i = 0; i < 2; ++i) {
-    inner(2 * i, i) = inner(2 * i + 1, i) = barrier_gain;
-    shift(2 * i) = -barrier_gain * barrier_edge;
-    shift(2 * i + 1) = barrier_gain * barrier_edge;
-    outer(0, 2 * i) = 1.0;
-    outer(0, 2 * i + 1) = -1.0;
-  }
-  LayerStack b;
-  b.layers = {layer(inner, shift, Activation::tanh),
-              layer(outer, Vector::Constant(1, 4.0 - barrier_level), Activation::tanh),
-              layer(Points::Identity(1, 1), Vector(), Activation::identity)};
-  return b;
-}
 
 // Adds height * bump(x) to output `row` of a network whose layers are tanh, tanh, identity: bump is about 1
 // on the square of half-width `half` around `center` and 0 outside.
@@ -97,17 +55,6 @@ LayerStack soft_stable_field() {
   f.head = Head::anchored;
   return f;
 }
-
-SafetyProblem simple_problem() {
-  SafetyProblem problem;
-  problem.workspace = Box::cube(2, 1.25);
-  problem.initial = ball((Vector(2) << 0.3, -0.2).finished(), 0.2);
-  problem.unsafe = ball((Vector(2) << 1.05, 1.05).finished(), 0.1);
-  problem.shell = complement(box_region(Box::cube(2, 0.97 * 1.25)));
-  return problem;
-}
-
-Networks simple_networks() { return {stable_field(), quadratic_lyapunov(), square_barrier()}; }
 
 ProofOptions quick() {
   ProofOptions options;

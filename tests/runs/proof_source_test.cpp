@@ -1,0 +1,64 @@
+#include "s2nnds/runs/proof_source.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/verification/hand_made_system.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr auto kDecrease = static_cast<std::size_t>(Condition::lyapunov_decrease);
+constexpr auto kBarrier = static_cast<std::size_t>(Condition::barrier_decrease);
+
+Counterexamples find(ProofSource& source, const Networks& networks) {
+  return source.find(networks, simple_problem(), 0.01, 1, 1);
+}
+
+TEST(ProofSource, FindsNothingWhereAllIsProved) {
+  ProofSource source(ProofOptions::fail_fast(), 100);
+  const Counterexamples found = find(source, simple_networks());
+  EXPECT_EQ(found.total(), 0);
+  EXPECT_GT(found.samples[kDecrease], 0);
+}
+
+TEST(ProofSource, DoesNotAskAgainWhetherVDecreasesWhileFAndVStayAsTheyWere) {
+  ProofSource source(ProofOptions::fail_fast(), 100);
+  Networks networks = simple_networks();
+  find(source, networks);
+  networks.B.layers.front().weight *= 1.01;
+  const Counterexamples same = find(source, networks);
+  EXPECT_EQ(same.total(), 0);
+  EXPECT_EQ(same.samples[kDecrease], 0);
+  EXPECT_GT(same.samples[kBarrier], 0);
+  networks.f = linear_field(Points::Identity(2, 2));  // unstable
+  networks.B = simple_networks().B;
+  networks.B.layers.back().weight *= -1.0;  // fails as well: V is not looked at
+  EXPECT_GT(find(source, networks).total(), 0);
+  EXPECT_EQ(find(source, networks).samples[kDecrease], 0);
+}
+
+TEST(ProofSource, LooksAtVOnceAllElseHolds) {
+  ProofSource source(ProofOptions::fail_fast(), 100);
+  Networks networks = simple_networks();
+  find(source, networks);
+  networks.V.layers.front().weight << 1.0, 4.0, 0.0, 0.1;  // |x_1 + 4 x_2|^2 + .01 x_2^2 decreases too
+  EXPECT_GT(find(source, networks).samples[kDecrease], 0) << "another V";
+}
+
+// Witnesses come first: each violates the condition.
+TEST(ProofSource, HandsOnPointsThatViolate) {
+  ProofSource source(ProofOptions::fail_fast(), 50);
+  Networks networks = simple_networks();
+  networks.f = linear_field((Points(2, 2) << -1.0, 0.0, 0.0, 1.0).finished());
+  const Counterexamples found = find(source, networks);
+  ASSERT_GT(found.counts[kBarrier], 0);
+  ASSERT_EQ(found.points[kBarrier].rows(), 50);
+  const Points x = found.points[kBarrier].topRows(5);
+  Points value, derivative;
+  networks.B.value_and_derivative(x, networks.f.value(x), value, derivative);
+  EXPECT_GE(derivative.minCoeff(), 0.0);
+  EXPECT_LE(value.cwiseAbs().maxCoeff(), 0.01);
+}
+
+}  // namespace
+}  // namespace s2nnds

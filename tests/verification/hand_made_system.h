@@ -1,0 +1,63 @@
+#pragma once
+
+#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/problem/safety_problem.h"
+
+// A system in the plane whose conditions are known to hold.
+namespace s2nnds {
+
+inline Layer layer(const Points& weight, const Vector& bias, Activation activation) {
+  return {weight, bias, activation};
+}
+
+// xdot = A x.
+inline LayerStack linear_field(const Points& a) {
+  LayerStack f;
+  f.layers = {layer(a, Vector(), Activation::identity)};
+  f.head = Head::anchored;
+  return f;
+}
+inline LayerStack stable_field() { return linear_field(-Points::Identity(2, 2)); }
+
+// |x|^2 + 0.05 |x|^2.
+inline LayerStack quadratic_lyapunov() {
+  LayerStack v;
+  v.layers = {layer(Points::Identity(2, 2), Vector(), Activation::identity)};
+  v.head = Head::squared_norm;
+  v.quadratic = 0.05;
+  return v;
+}
+
+inline constexpr double barrier_edge = 0.8, barrier_gain = 4.0, barrier_level = 1.2;
+
+// tanh(sum_i [2 + tanh(g (x_i - e)) - tanh(g (x_i + e))] - level): negative on a rounded square, and along -x
+// its derivative is negative everywhere but at 0.
+inline LayerStack square_barrier() {
+  Points inner = Points::Zero(4, 2), outer(1, 4);
+  Vector shift(4);
+  for (int i = 0; i < 2; ++i) {
+    inner(2 * i, i) = inner(2 * i + 1, i) = barrier_gain;
+    shift(2 * i) = -barrier_gain * barrier_edge;
+    shift(2 * i + 1) = barrier_gain * barrier_edge;
+    outer(0, 2 * i) = 1.0;
+    outer(0, 2 * i + 1) = -1.0;
+  }
+  LayerStack b;
+  b.layers = {layer(inner, shift, Activation::tanh),
+              layer(outer, Vector::Constant(1, 4.0 - barrier_level), Activation::tanh),
+              layer(Points::Identity(1, 1), Vector(), Activation::identity)};
+  return b;
+}
+
+inline SafetyProblem simple_problem() {
+  SafetyProblem problem;
+  problem.workspace = Box::cube(2, 1.25);
+  problem.initial = ball((Vector(2) << 0.3, -0.2).finished(), 0.2);
+  problem.unsafe = ball((Vector(2) << 1.05, 1.05).finished(), 0.1);
+  problem.shell = complement(box_region(Box::cube(2, 0.97 * 1.25)));
+  return problem;
+}
+
+inline Networks simple_networks() { return {stable_field(), quadratic_lyapunov(), square_barrier()}; }
+
+}  // namespace s2nnds
