@@ -1,6 +1,7 @@
 #include "s2nnds/runs/proof_source.h"
 
 #include <algorithm>
+
 namespace s2nnds {
 namespace {
 

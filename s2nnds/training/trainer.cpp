@@ -209,7 +209,7 @@ class Trainer::Impl {
   // Random search found few counterexamples; those that are left may be none of its own.
   bool nearly_clean(const RoundSummary& row) const {
     if (row.round < options_.min_rounds || row.growing) return false;
-    return row.counterexamples() < options_.mend_below || row.source != sources.front()->name();
+    return row.counterexamples() < options_.mend_below || row.first_found == 0;
   }
 
   // What concerns B alone.
@@ -274,7 +274,7 @@ class Trainer::Impl {
       if (source->only_when_clean() && (row.counterexamples() > 0 || row.round < options_.min_rounds))
         continue;
       const Counterexamples found = source->find(current, problem_, options_.band, seed_, row.round);
-      if (found.total() > 0 && row.source.empty()) row.source = source->name();
+      if (source == sources.front()) row.first_found = found.total();
       for (std::size_t q = 0; q < row.counts.size(); ++q) row.counts[q] += found.counts[q];
       sampler_.add(found, options_.pool_additions, options_.pool_capacity);
     }

@@ -22,11 +22,11 @@ struct RoundSummary {
   double band = 0.0;
   double labels = 0.0;
   std::array<std::int64_t, condition_count> counts{};  // counterexamples found, by condition
+  std::int64_t first_found = 0;                        // of these, by the first source: random search
   std::int64_t pool = 0;                               // counterexamples kept for training
   double safe_share = 0.0;                             // of the label points, those with safe rollouts
   bool growing = false;                                // trained B alone; kept only if clean
   double seconds = 0.0;                                // since the start of this process's training
-  std::string source;  // the source that found the counterexamples, empty if none did
 
   std::int64_t counterexamples() const;
   bool clean() const { return round > 0 && counterexamples() == 0; }

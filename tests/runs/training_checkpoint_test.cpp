@@ -1,0 +1,34 @@
+#include "s2nnds/runs/training_checkpoint.h"
+
+#include <gtest/gtest.h>
+
+namespace s2nnds {
+namespace {
+
+// What later rounds are planned by comes back, else a resumed run would train otherwise than an unbroken one.
+TEST(TrainingCheckpoint, KeepsWhatEachRoundFound) {
+  TrainerState state;
+  state.pools = {Points::Constant(2, 2, 0.5), Points(0, 2), Points(0, 2)};
+  state.history.resize(3);
+  for (std::size_t k = 0; k < state.history.size(); ++k) {
+    RoundSummary& row = state.history[k];
+    row.round = static_cast<std::int64_t>(k);
+    row.counts.fill(7 * row.round);
+    row.first_found = 5 * row.round;
+    row.growing = k == 2;
+  }
+  RunRecord record;
+  record.data.dimension = 2;
+  store_trainer_state(state, record);
+  const TrainerState back = to_trainer_state(record);
+  ASSERT_EQ(back.history.size(), 3U);
+  for (std::size_t k = 0; k < back.history.size(); ++k) {
+    EXPECT_EQ(back.history[k].counts, state.history[k].counts);
+    EXPECT_EQ(back.history[k].first_found, state.history[k].first_found);
+    EXPECT_EQ(back.history[k].growing, state.history[k].growing);
+  }
+  EXPECT_EQ(back.pools.workspace, state.pools.workspace);
+}
+
+}  // namespace
+}  // namespace s2nnds
