@@ -300,31 +300,39 @@ def legend_below(figure, handles, columns=3):
 # ---------------------------------------------------------------- phase portrait
 
 
-def phase_portrait_2d(run, grid):
-    figure, ax = plt.subplots(figsize=(6.2, 6.2), constrained_layout=True)
-    x, y = grid.axes
-    handles = draw_sets(ax, x, y, grid.unsafe, grid.initial, grid.B)
-    u, v = grid.velocity[..., 0].T, grid.velocity[..., 1].T
-    # streamplot wants spacings equal to the last bit
+def draw_flow(ax, x, y, velocity):
+    """Streamlines of samples [len(x), len(y), 2]; streamplot wants spacings equal to the last bit."""
     ax.streamplot(
         np.linspace(x[0], x[-1], len(x)),
         np.linspace(y[0], y[-1], len(y)),
-        u,
-        v,
+        velocity[..., 0].T,
+        velocity[..., 1].T,
         color=FLOW,
         density=1.5,
         linewidth=0.6,
         arrowsize=0.8,
         zorder=1,
     )
+    return [Line2D([], [], color=FLOW, linewidth=1.0, label="flow of f")]
+
+
+def draw_phase_portrait(ax, run, grid):
+    """All that Fig. 2 of the paper shows of a planar run; returns legend handles."""
+    x, y = grid.axes
+    handles = draw_sets(ax, x, y, grid.unsafe, grid.initial, grid.B)
+    flow = draw_flow(ax, x, y, grid.velocity)
     handles += draw_motions(ax, run)
     handles += draw_boxes(ax, all_open_boxes(run))
     draw_goal(ax)
     frame(ax, run)
+    return handles + [goal_handle()] + flow
+
+
+def phase_portrait_2d(run, grid):
+    figure, ax = plt.subplots(figsize=(6.2, 6.2), constrained_layout=True)
+    handles = draw_phase_portrait(ax, run, grid)
     ax.set_title(title_of(run))
-    legend_below(
-        figure, handles + [goal_handle(), Line2D([], [], color=FLOW, linewidth=1.0, label="flow of f")]
-    )
+    legend_below(figure, handles)
     return figure
 
 

@@ -5,6 +5,7 @@
     run.name, run.guarantee               # "Sine", "invariant"
     run.f(x), run.V(x), run.B(x)          # x [N, n] or [n], normalised and goal-centred
     run.V.gradient(x), run.f.jacobian(x)  # [N, n], [N, m, n]
+    run.f.torch()                         # the same as a torch.nn.Module
     run.history["mse"]                    # [rounds]
 
 Positions, velocities and times are normalised: position / position_scale, velocity / velocity_scale,
@@ -114,6 +115,43 @@ class Network:
         if self.output_dimension != 1:
             raise ValueError(f"gradient: found {self.output_dimension} outputs, expected 1 (see jacobian)")
         return self.jacobian(x)[..., 0, :]
+
+    def torch(self):
+        """The same function as a torch.nn.Module of double tensors: x [N, n] -> [N, m], or [N] where m = 1."""
+        import torch  # only who asks for it needs it
+
+        functions = {
+            "identity": lambda z: z,
+            "tanh": torch.tanh,
+            "elu": torch.nn.functional.elu,
+            "softplus": torch.nn.functional.softplus,
+            "silu": torch.nn.functional.silu,
+            "sine": torch.sin,
+        }
+
+        class Module(torch.nn.Module):
+            def __init__(self, network):
+                super().__init__()
+                self.network = network
+                for k, (weight, bias, _) in enumerate(network.layers):
+                    self.register_parameter(f"weight_{k}", torch.nn.Parameter(torch.tensor(weight)))
+                    self.register_parameter(f"bias_{k}", torch.nn.Parameter(torch.tensor(bias)))
+
+            def stack(self, x):
+                for k, (_, _, activation) in enumerate(self.network.layers):
+                    weight, bias = getattr(self, f"weight_{k}"), getattr(self, f"bias_{k}")
+                    x = functions[activation](torch.nn.functional.linear(x, weight, bias))
+                return x
+
+            def forward(self, x):
+                y = self.stack(x)
+                if self.network.head != "plain":
+                    y = y - self.stack(torch.zeros_like(x[:1]))
+                if self.network.head == "squared_norm":
+                    y = (y**2).sum(1, keepdim=True) + self.network.quadratic * (x**2).sum(1, keepdim=True)
+                return y[:, 0] if y.shape[1] == 1 else y
+
+        return Module(self)
 
 
 @dataclass

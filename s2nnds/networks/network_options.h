@@ -46,9 +46,10 @@ struct LyapunovOptions {
   void visit(FieldVisitor& v);
 };
 
-// The barrier function B: R^n -> R; {B <= 0} is the safe set.
+// The barrier function B: R^n -> R; {B <= 0} is the safe set. A steep first layer lets {B = 0} turn sharp
+// corners, so that it follows obstacles, and motions that pass them closely, at a small distance.
 struct BarrierOptions {
-  MlpOptions network;
+  MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};
 
   void visit(FieldVisitor& v);
 };

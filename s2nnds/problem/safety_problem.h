@@ -16,7 +16,7 @@ struct SafetyProblem {
   // {x : |x|_inf >= containment * workspace}, closed: entering it counts as leaving the workspace. Null if
   // the safe set need not be contained.
   RegionPtr shell;
-  double containment = 0.97;  // the safe set must lie in containment * X
+  double containment = 0.985;  // the safe set must lie in containment * X
 
   Eigen::Index dimension() const { return workspace.dimension(); }
 };
@@ -24,7 +24,7 @@ struct SafetyProblem {
 struct ProblemOptions {
   double workspace = 1.25;  // X = [-workspace, workspace]^n
   bool contain = true;      // require {B <= 0} inside containment * X
-  double containment = 0.97;
+  double containment = 0.985;
   double padding = 0.02;  // X0 of type "auto": grows it on every side
   // "auto": the box around the demonstrations' first points, grown by `padding`, clipped to [-1, 1]^n;
   // "ball_auto": the ball of `radius` around their mean; or any region.

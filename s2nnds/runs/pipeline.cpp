@@ -414,13 +414,6 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
                {"open_volume", verdict.open_volume},
                {"witness", verdict.witness}};
     }
-    if (verdict.method == "proof") {
-      entry = {{"verdict", verdict.verdict},
-               {"boxes", verdict.boxes},
-               {"open_boxes", verdict.open_boxes},
-               {"open_volume", verdict.open_volume},
-               {"witness", verdict.witness}};
-    }
     if (verdict.method == "conformal") {
       entry["p"] = real(verdict.quantile);
       entry["l"] = verdict.order;
@@ -443,9 +436,6 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   json["safe_area"] = real(e.safe_area);
   json["true_safe_area"] = real(e.true_safe_area);
   json["safe_area_ratio"] = real(e.safe_area_ratio);
-  json["disturbance_margin"] = real(record.certificate.disturbance_margin);
-  json["convergence_radius"] = real(record.certificate.convergence_radius);
-  json["float32_error"] = real(record.certificate.float32_error);
   json["disturbance_margin"] = real(record.certificate.disturbance_margin);
   json["convergence_radius"] = real(record.certificate.convergence_radius);
   json["float32_error"] = real(record.certificate.float32_error);

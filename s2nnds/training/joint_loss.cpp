@@ -29,23 +29,23 @@ NetworkShape shape_of(const Mlp& network, const LayerStack& snapshot) {
 }
 
 template <typename T>
-std::unique_ptr<JointSweep<T>> sweep_of(const Modules& m, const LossOptions& options) {
+std::unique_ptr<JointSweep<T>> sweep_of(const Modules& m, const LossOptions& options, Trains trains) {
   return std::make_unique<JointSweep<T>>(shape_of(m.f->network, m.f->snapshot()),
                                          shape_of(m.V->network, m.V->snapshot()),
-                                         shape_of(m.B->network, m.B->snapshot()), options);
+                                         shape_of(m.B->network, m.B->snapshot()), options, trains);
 }
 
 }  // namespace
 
-JointLoss::JointLoss(const Modules& networks, const LossOptions& options)
+JointLoss::JointLoss(const Modules& networks, const LossOptions& options, Trains trains)
     : networks_(networks), options_(options) {
   for (const Mlp& network : {networks.f->network, networks.V->network, networks.B->network}) {
     if (network->engine != Engine::fused) return;
   }
   if (networks.f->network->theta.dtype() == torch::kFloat64) {
-    double_sweep_ = sweep_of<double>(networks, options);
+    double_sweep_ = sweep_of<double>(networks, options, trains);
   } else {
-    float_sweep_ = sweep_of<float>(networks, options);
+    float_sweep_ = sweep_of<float>(networks, options, trains);
   }
 }
 

@@ -14,7 +14,8 @@ namespace s2nnds {
 // change between calls, the modules may not.
 class JointLoss {
  public:
-  JointLoss(const Modules& networks, const LossOptions& options);
+  // With Trains::barrier, the gradients of f and V are left out where that saves time.
+  JointLoss(const Modules& networks, const LossOptions& options, Trains trains = Trains::all);
 
   // terms.total is differentiable in the networks' parameters. Throws Error if tensors do not fit.
   LossTerms operator()(const BatchTensors& batch);

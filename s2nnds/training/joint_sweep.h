@@ -37,6 +37,8 @@ struct LossSums {
   double labels = 0.0;
 };
 
+enum class Trains { all, barrier };  // whose gradients are wanted
+
 // The loss of LossOptions and its gradients in closed form, in one pass over the batch: every tile of samples
 // goes forward through the networks it concerns, its loss is differentiated, and it goes back, all in cache.
 // Tiles are shared out over a fixed number of chunks, whose gradients are summed in order, so that the result
@@ -44,12 +46,14 @@ struct LossSums {
 template <typename T>
 class JointSweep {
  public:
-  JointSweep(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B, const LossOptions& options);
+  JointSweep(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B, const LossOptions& options,
+             Trains trains = Trains::all);
   ~JointSweep();
   JointSweep(const JointSweep&) = delete;
   JointSweep& operator=(const JointSweep&) = delete;
 
-  // Writes the gradients of the total loss, mse weighted, in the flat parameters of f, V and B.
+  // Writes the gradients of the total loss, mse weighted, in the flat parameters of f, V and B; those of f
+  // and V are zero when the barrier alone trains.
   LossSums run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch, T* gradient_f,
                T* gradient_V, T* gradient_B);
 
@@ -66,6 +70,7 @@ class JointSweep {
 
   NetworkShape shape_f_, shape_V_;
   LossOptions options_;
+  Trains trains_;
   std::ptrdiff_t dimension_;
   FusedNetwork<T> f_, V_, B_;
   std::vector<T> origin_, f_at_origin_, V_at_origin_;

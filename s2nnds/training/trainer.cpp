@@ -11,6 +11,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/joint_loss.h"
+#include "s2nnds/training/level.h"
 #include "s2nnds/training/warm_start.h"
 
 namespace s2nnds {
@@ -52,7 +53,8 @@ class Trainer::Impl {
         network_options_(networks),
         options_(options),
         seed_(seed),
-        sampler_(problem, demonstrations_, options.batch, options.keep_clear) {
+        sampler_(problem, demonstrations_, options.batch, options.keep_clear),
+        level_(problem, {.band = options.band, .reach = options.level_reach}) {
     RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
     modules_.f = make_field(1);
     modules_.V = Lyapunov(problem.dimension(), networks.V, start_v);
@@ -80,6 +82,7 @@ class Trainer::Impl {
       const LayerStack before = modules_.B->snapshot();
       const bool growing = had_clean_round();
       RoundSummary row = train_round(static_cast<std::int64_t>(history_.size()), growing);
+      choose_level(row.round);
       search(row);
       if (growing && !row.clean()) modules_.B->restore(before);
       row.seconds = seconds();
@@ -162,7 +165,7 @@ class Trainer::Impl {
     torch::Tensor parameters[] = {modules_.f->network->theta, modules_.V->network->theta,
                                   modules_.B->network->theta};
     const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
-    JointLoss loss(modules_, plan.loss);
+    JointLoss loss(modules_, plan.loss, plan.only_barrier ? Trains::barrier : Trains::all);
     const std::size_t first_trained = plan.only_barrier ? 2 : 0;
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     for (std::int64_t step = 0; step < options_.steps; ++step) {
@@ -195,6 +198,7 @@ class Trainer::Impl {
     if (mending == 0) return plan;
     plan.rate *= options_.mend_rate;
     plan.loss.labels *= std::pow(options_.mend_labels, mending);
+    plan.loss.band *= options_.mend_band;
     return plan;
   }
 
@@ -268,6 +272,18 @@ class Trainer::Impl {
     sampler_.set_near_band(candidates(near, Eigen::all));
   }
 
+  void choose_level(std::int64_t round) {
+    if (options_.level_reach == 0.0) return;
+    RandomStream random(seed_, "level", round);
+    LayerStack B = modules_.B->snapshot();
+    Vector& bias = B.layers.back().bias;
+    if (bias.size() == 0) return;
+    if (const auto c = level_.largest(networks(), random)) {
+      bias[0] -= *c;
+      modules_.B->restore(B);
+    }
+  }
+
   void search(RoundSummary& row) {
     const Networks current = networks();
     for (const auto& source : sources) {
@@ -288,6 +304,7 @@ class Trainer::Impl {
   TrainerOptions options_;
   std::uint64_t seed_;
   BatchSampler sampler_;
+  LevelChoice level_;
   Modules modules_;
   std::vector<RoundSummary> history_;
 };

@@ -63,6 +63,8 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("mend_below", mend_below, at_least(1));
   v.field("mend_rate", mend_rate, above(0.0));
   v.field("mend_labels", mend_labels, between(0.0, 1.0));
+  v.field("mend_band", mend_band, at_least(0.0));
+  v.field("level_reach", level_reach, at_least(0.0));
   v.field("growth_rounds", growth_rounds, at_least(0));
   v.field("growth_labels", growth_labels, at_least(0.0));
   v.field("growth_margins", growth_margins, at_least(0.0));
@@ -84,6 +86,7 @@ TrainerOptions paper_training() {
   options.label_points = 0;
   options.mend_rounds = options.growth_rounds = 0;
   options.rate_rise = 1;
+  options.level_reach = 0.0;
   options.keep_clear = 0.0;
   options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",

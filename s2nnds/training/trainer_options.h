@@ -36,7 +36,7 @@ struct LossOptions {
   double mse = 20.0;
   double lyapunov = 5.0;
   double separation = 2.0;
-  double band = 15.0;
+  double band = 5.0;
   double labels = 1.0;
   double kappa = 0.1;
   double margin_initial = 0.05;
@@ -90,6 +90,10 @@ struct TrainerOptions {
   std::int64_t mend_below = 200;
   double mend_rate = 0.33;   // factor of all rates
   double mend_labels = 0.6;  // factor of the labels' weight, once more with each mending round
+  double mend_band = 3.0;    // factor of the band's weight
+  // After every round B is shifted by at most this to the level that gives the largest safe set without a
+  // violation among some samples, if there is one.
+  double level_reach = 0.1;
   // Rounds after the first clean one that train B alone, with f and V as they are and the labels weighing
   // more, so that the safe set grows; what such a round makes of B is kept only if it is clean as well.
   std::int64_t growth_rounds = 5;

@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "s2nnds/core/random.h"
 #include "s2nnds/training/flat_adam.h"
+#include "s2nnds/training/joint_sweep.h"
 #include "s2nnds/training/losses.h"
 
 namespace s2nnds {
@@ -15,9 +17,42 @@ double full_mse(VectorField& f, const torch::Tensor& position, const torch::Tens
   return imitation_loss(f(position), velocity).item<double>();
 }
 
+// The joint sweep with nothing but the imitation term: V and B are as small as they can be, and unused.
+class ImitationSweep {
+ public:
+  explicit ImitationSweep(const VectorField& f)
+      : sweep_({f->network->shapes(), f->snapshot().head}, unused(f), unused(f), only_imitation()),
+        unused_(static_cast<std::size_t>(f->network->inputs()) + 1),
+        unused_gradient_(unused_.size()) {}
+
+  // Writes the gradient of the mean squared error in f's parameters.
+  void run(const float* theta, const PointsView<float>& position, const PointsView<float>& velocity,
+           float* gradient) {
+    BatchView<float> batch;
+    batch.position = position;
+    batch.velocity = velocity;
+    sweep_.run(theta, unused_.data(), unused_.data(), batch, gradient, unused_gradient_.data(),
+               unused_gradient_.data());
+  }
+
+ private:
+  static NetworkShape unused(const VectorField& f) { return {{{f->network->inputs(), 1}}}; }
+  static LossOptions only_imitation() {
+    LossOptions options;
+    options.mse = 1.0;
+    options.lyapunov = options.separation = options.band = options.labels = 0.0;
+    return options;
+  }
+
+  JointSweep<float> sweep_;
+  std::vector<float> unused_, unused_gradient_;
+};
+
 void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
          const WarmStartOptions& options, RandomStream random) {
-  torch::Tensor theta = f->network->theta;
+  torch::Tensor theta = f->network->theta, gradient = torch::empty_like(theta);
+  std::optional<ImitationSweep> sweep;
+  if (f->network->engine == Engine::fused) sweep.emplace(f);
   FlatAdam optimizer(options.weight_decay, options.clip);
   torch::Tensor rows = torch::empty({options.batch}, torch::kInt64);
   const auto samples = static_cast<std::size_t>(position.size(0));
@@ -27,9 +62,16 @@ void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& vel
     auto* row = rows.data_ptr<std::int64_t>();
     for (std::int64_t i = 0; i < options.batch; ++i)
       row[i] = static_cast<std::int64_t>(random.below(samples));
-    theta.mutable_grad() = torch::Tensor();
-    imitation_loss(f(position.index_select(0, rows)), velocity.index_select(0, rows)).backward();
-    optimizer.step(rate, theta.numel(), theta.grad().data_ptr<float>(), theta.data_ptr<float>());
+    const torch::Tensor x = position.index_select(0, rows), target = velocity.index_select(0, rows);
+    if (sweep) {
+      sweep->run(theta.data_ptr<float>(), {x.data_ptr<float>(), x.size(0)},
+                 {target.data_ptr<float>(), target.size(0)}, gradient.data_ptr<float>());
+    } else {
+      theta.mutable_grad() = torch::Tensor();
+      imitation_loss(f(x), target).backward();
+      gradient = theta.grad();
+    }
+    optimizer.step(rate, theta.numel(), gradient.data_ptr<float>(), theta.data_ptr<float>());
   }
 }
 

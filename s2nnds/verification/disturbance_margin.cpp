@@ -13,6 +13,7 @@ namespace s2nnds {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::int64_t kSpareBoxes = 20000;
 
 void raise_to(std::atomic<double>& value, double candidate) {
   double seen = value;
@@ -173,7 +174,10 @@ class Search {
         .proved;
   }
 
+  void limit_boxes(std::int64_t boxes) { limits_.max_boxes = std::min(options_.max_boxes, boxes); }
+
   double radius(double disturbance) {
+    limits_.max_boxes = options_.max_boxes;
     const double resolution = options_.radius_resolution * width();
     std::atomic<double> level = 0.0, radius = 0.0;
     const BranchResult descent =
@@ -247,6 +251,8 @@ DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const Safe
   DisturbanceMargin result;
   std::atomic<double> weakest = -infinity;
   if (search.withstands(0.0, weakest) && std::isfinite(weakest)) {
+    // A step that succeeds takes little more than this one; one that fails would go on to the limit.
+    search.limit_boxes(2 * search.boxes() + kSpareBoxes);
     // The centres' ratios say where to look; what counts is what each step proves.
     double low = 0.0, high = -1.2 * weakest;
     while (high < 1e9 && !search.out_of_time() && search.withstands(high, weakest)) {

@@ -87,6 +87,20 @@ INSTANTIATE_TEST_SUITE_P(All, Engines, testing::ValuesIn(cases()), [](const auto
          (test.param.dtype == torch::kFloat64 ? "Double" : "Float");
 });
 
+TEST(JointLoss, OfTheBarrierAloneHasTheSameGradientInB) {
+  const Case c{"tanh", 2, "robust", torch::kFloat32};
+  LossOptions options;
+  options.mse = options.lyapunov = 0.0;
+  std::vector<torch::Tensor> of_B;
+  for (const Trains trains : {Trains::all, Trains::barrier}) {
+    Modules modules = make(c, Engine::fused);
+    JointLoss(modules, options, trains)(draw(c)).total.backward();
+    of_B.push_back(modules.B->network->theta.grad());
+    EXPECT_EQ(modules.f->network->theta.grad().norm().item<double>() > 0.0, trains == Trains::all);
+  }
+  EXPECT_TRUE(torch::equal(of_B[0], of_B[1]));
+}
+
 // Else a network that has overflowed would look like one that meets every condition.
 TEST(JointLoss, NotANumberGoesThrough) {
   for (const char* kind : {"robust", "paper"}) {

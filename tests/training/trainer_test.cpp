@@ -156,6 +156,19 @@ TEST(Trainer, StopsWhenTheCallbackSaysSo) {
   EXPECT_EQ(summary.rounds, 2);
 }
 
+TEST(Trainer, WarmStartIsTheSameUnderBothEngines) {
+  Fixture fixture;
+  fixture.options.warm_start.steps = 30;
+  fixture.options.rounds = fixture.options.min_rounds = 1;
+  double mse[2];
+  int at = 0;
+  for (const char* engine : {"fused", "autograd"}) {
+    fixture.options.engine = engine;
+    mse[at++] = fixture.trainer(1).run().warm_start_mse;
+  }
+  EXPECT_NEAR(mse[0], mse[1], 1e-4 * mse[1]);
+}
+
 TEST(Trainer, WarmStartNoticesAStall) {
   Fixture fixture;
   fixture.options.warm_start.rate = 1e-12;  // learns nothing: every attempt stalls

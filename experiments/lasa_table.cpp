@@ -1,0 +1,152 @@
+// Table I and Fig. 2: eight LASA motions, each with its obstacle, learned and certified.
+//
+// Every problem is trained on its configuration's split (test demonstrations 5 and 6) with several seeds, and
+// on five fixed splits with seed 0, once with all conditions and once without any (the price of the
+// certificate). The five splits are trained without the rounds that only make B grow, which do not touch f.
+//
+// Expected (published: the paper's S2-NNDS on a split of its own; GP: a Gaussian process without
+// certificates, mean over the five splits and the best of them; test MSE in normalised units):
+//   motion   S2-NNDS  ABC-DS   GP mean  GP best
+//   Sine     0.015    0.023    0.0247   0.0143
+//   Sshape   0.016    0.014    0.0176   0.0099
+//   CShape   0.019    0.029    0.0251   0.0159
+//   Worm     0.026    -        0.0219   0.0129
+//   Angle    0.044    -        0.0262   0.0172
+//   GShape   0.019    0.041    0.0241   0.0194
+//   PShape   0.008    0.027    0.0136   0.0100
+//   NShape   0.084    0.020    0.0212   0.0085
+// and every run `invariant`.
+//
+// Usage: lasa_table --data DIR [--out FOLDER] [--quick]
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "trials.h"
+
+namespace {
+
+using namespace s2nnds::experiment;
+using nlohmann::json;
+
+struct Motion {
+  const char* name;
+  double published, gp_mean;
+};
+constexpr Motion kMotions[] = {{"Sine", 0.015, 0.0247},   {"Sshape", 0.016, 0.0176},
+                               {"CShape", 0.019, 0.0251}, {"Worm", 0.026, 0.0219},
+                               {"Angle", 0.044, 0.0262},  {"GShape", 0.019, 0.0241},
+                               {"PShape", 0.008, 0.0136}, {"NShape", 0.084, 0.0212}};
+constexpr std::pair<int, int> kSplits[] = {{0, 1}, {2, 3}, {4, 5}, {6, 0}, {1, 5}};
+
+std::vector<Trial> trials_of(const Motion& motion, const Arguments& arguments) {
+  const std::string config = std::string("lasa/") + motion.name + ".toml";
+  std::vector<Trial> trials;
+  for (const int seed : arguments.seeds)
+    trials.push_back({fmt::format("{}-seed{}", motion.name, seed), config, {}, seed});
+  trials.push_back({fmt::format("{}-seed{}-uncertified", motion.name, arguments.seeds.front()), config,
+                    uncertified(), arguments.seeds.front()});
+  for (const auto& [a, b] : kSplits) {
+    if (arguments.quick && a != 0) continue;
+    const std::string split = fmt::format("data.test=[{}, {}]", a, b);
+    trials.push_back(
+        {fmt::format("{}-test{}{}", motion.name, a, b), config, {split, "training.growth_rounds=0"}});
+    std::vector<std::string> free = uncertified();
+    free.push_back(split);
+    trials.push_back({fmt::format("{}-test{}{}-uncertified", motion.name, a, b), config, free});
+  }
+  return trials;
+}
+
+struct Columns {
+  std::map<std::string, std::vector<double>> of;  // by name, one value a run
+  int runs = 0, invariant = 0, conformal = 0;
+
+  void add(const json& summary) {
+    ++runs;
+    invariant += summary["guarantee"] == "invariant";
+    bool passed = true;
+    for (const json& condition : summary["conditions"])
+      passed = passed && (!condition.contains("conformal") || condition["conformal"]["verdict"] == "passed");
+    conformal += passed;
+    const json& seconds = summary["seconds"];
+    of["train"].push_back(seconds.at("training"));
+    of["proof"].push_back(seconds.value("proof", std::nan("")));
+    double boxes = 0.0;
+    for (const json& condition : summary["conditions"])
+      if (condition.contains("proof")) boxes += condition["proof"]["boxes"].get<double>();
+    of["boxes"].push_back(boxes);
+    for (const char* key : {"rounds", "mse_train", "mse_test", "sd_test", "dtw_test", "safe_area",
+                            "safe_area_ratio", "disturbance_margin"})
+      of[key].push_back(summary[key].is_null() ? std::nan("") : summary[key].get<double>());
+  }
+  double middle(const std::string& key) const { return median(of.at(key)); }
+};
+
+bool is_first_seed(const Trial& trial) { return trial.name.ends_with("-seed0"); }
+
+json run(const Arguments& arguments) {
+  std::vector<Trial> trials;
+  for (const Motion& motion : kMotions)
+    for (Trial& trial : trials_of(motion, arguments)) trials.push_back(std::move(trial));
+  const std::vector<TrialResult> results = run_trials(trials, arguments);
+
+  Table guarantees({"motion", "invariant", "conformal", "train s", "rounds", "proof s", "boxes", "safe area",
+                    "of true", "margin"});
+  Table accuracy({"motion", "test MSE", "test SD", "test DTW", "mean of 5 splits", "best", "uncertified mean",
+                  "price", "GP mean", "published"});
+  Columns all;
+  json runs = json::array();
+  for (const Motion& motion : kMotions) {
+    Columns own;
+    std::vector<double> certified, free;
+    for (const TrialResult& result : results) {
+      if (result.trial.config != std::string("lasa/") + motion.name + ".toml") continue;
+      runs.push_back(result.summary);
+      runs.back()["trial"] = result.trial.name;
+      const std::string& name = result.trial.name;
+      const bool split = name.find("-test") != std::string::npos, without = name.ends_with("-uncertified");
+      if (split) (without ? free : certified).push_back(result.summary["mse_test"]);
+      if (split || without) continue;
+      own.add(result.summary);
+      all.add(result.summary);
+    }
+    guarantees.add({motion.name, fmt::format("{}/{}", own.invariant, own.runs),
+                    fmt::format("{}/{}", own.conformal, own.runs), fmt::format("{:.0f}", own.middle("train")),
+                    fmt::format("{:.0f}", own.middle("rounds")), fmt::format("{:.2f}", own.middle("proof")),
+                    fmt::format("{:.0f}", own.middle("boxes")),
+                    fmt::format("{:.2f}", own.middle("safe_area")),
+                    fmt::format("{:.3f}", own.middle("safe_area_ratio")),
+                    fmt::format("{:.2g}", own.middle("disturbance_margin"))});
+    accuracy.add({motion.name, fmt::format("{:.4f}", own.middle("mse_test")),
+                  fmt::format("{:.3f}", own.middle("sd_test")), fmt::format("{:.4f}", own.middle("dtw_test")),
+                  fmt::format("{:.4f}", mean(certified)),
+                  fmt::format("{:.4f}", *std::min_element(certified.begin(), certified.end())),
+                  fmt::format("{:.4f}", mean(free)), fmt::format("{:.2f}", mean(certified) / mean(free)),
+                  fmt::format("{:.4f}", motion.gp_mean), fmt::format("{:.3f}", motion.published)});
+  }
+  guarantees.add({"all", fmt::format("{}/{}", all.invariant, all.runs),
+                  fmt::format("{}/{}", all.conformal, all.runs), fmt::format("{:.0f}", all.middle("train")),
+                  fmt::format("{:.0f}", all.middle("rounds")), fmt::format("{:.2f}", all.middle("proof")),
+                  fmt::format("{:.0f}", all.middle("boxes")), "",
+                  fmt::format("{:.3f}", all.middle("safe_area_ratio")),
+                  fmt::format("{:.2g}", all.middle("disturbance_margin"))});
+  const Table robustness = table_of_robustness(results, arguments);
+  fmt::print("{}\n{}\n{}", guarantees.text(), accuracy.text(), robustness.text());
+  if (arguments.figures) {
+    draw_all(results, arguments, is_first_seed);
+    draw_together("fig2", "panels", results, arguments, is_first_seed);
+  }
+  return {
+      {"tables",
+       {{"guarantees", guarantees.json()}, {"accuracy", accuracy.json()}, {"robustness", robustness.json()}}},
+      {"runs", runs}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_driver(argc, argv, "lasa_table", "Table I: eight LASA motions, learned and certified", run);
+}

@@ -1,0 +1,86 @@
+// Several obstacles: kinesthetic pick-and-place demonstrations in 3-D with three balls beside the motion, and
+// a planar motion past three balls (0.06 at (0.25, -0.2), (0.8, -0.2), (0.5, -0.55), normalised) from files
+// as the robot records them: CSV, `time,x,y,dx,dy`, a row a millisecond, in metres. The robot's own
+// recordings are not public; the five files are made here and written to OUT/recordings.
+//
+// Expected: every seed of both `invariant`.
+//
+// Usage: multi_obstacle --data DIR [--out FOLDER] [--quick]
+#include <fmt/core.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "s2nnds/core/random.h"
+#include "s2nnds/core/whole_file.h"
+#include "trials.h"
+
+namespace {
+
+using namespace s2nnds::experiment;
+using nlohmann::json;
+
+// From (1, -0.42) down a cosine to (0, 0), in half metres, with minimum-jerk timing and a smooth deviation
+// that ends at zero; the goal stands at (0.45, 0.10) m before the robot.
+std::string recording(int index) {
+  constexpr double kHalfMetre = 0.5, kSeconds = 3.0, kPi = std::numbers::pi;
+  s2nnds::RandomStream random(1, "recording", static_cast<std::uint64_t>(index));
+  const double lift = 0.03 * random.normal(), bend = 0.02 * random.normal(),
+               seconds = kSeconds * (1 + 0.1 * random.uniform(-1, 1));
+  std::string text = "time,x,y,dx,dy\n";
+  const auto rows = static_cast<int>(seconds * 1000.0);
+  for (int row = 0; row <= rows; ++row) {
+    const double u = static_cast<double>(row) / rows;
+    const double x = 1.0 - u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+    const double dx = -30.0 * u * u * (1.0 - u) * (1.0 - u) / seconds;
+    const double y = -0.21 * (1.0 - std::cos(kPi * x)) + lift * x + bend * std::sin(kPi * x);
+    const double dy = (-0.21 * kPi * std::sin(kPi * x) + lift + bend * kPi * std::cos(kPi * x)) * dx;
+    text += fmt::format("{:.3f},{:.6f},{:.6f},{:.6f},{:.6f}\n", row * 1e-3, 0.45 + kHalfMetre * x,
+                        0.10 + kHalfMetre * y, kHalfMetre * dx, kHalfMetre * dy);
+  }
+  return text;
+}
+
+// Writes the files and returns the assignment that names them.
+std::string write_recordings(const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  json files = json::array();
+  for (int k = 0; k < 5; ++k) {
+    const auto path = std::filesystem::absolute(folder) / fmt::format("demonstration_{}.csv", k);
+    s2nnds::write_whole_file(path, recording(k), "the recording");
+    files.push_back(path.string());
+  }
+  return "data.files=" + files.dump();
+}
+
+json run(const Arguments& arguments) {
+  const std::string files = write_recordings(arguments.out + "/recordings");
+  std::vector<Trial> trials;
+  const auto add = [&](const std::string& name, const std::vector<std::string>& assignments) {
+    const std::string config = "other/" + name + ".toml";
+    for (const int seed : arguments.seeds)
+      trials.push_back({fmt::format("{}-seed{}", name, seed), config, assignments, seed});
+    std::vector<std::string> without = uncertified();
+    without.insert(without.end(), assignments.begin(), assignments.end());
+    const int first = arguments.seeds.front();
+    trials.push_back({fmt::format("{}-seed{}-uncertified", name, first), config, without, first});
+  };
+  add("pick_box", {});
+  add("robot", {files});
+  const std::vector<TrialResult> results = run_trials(trials, arguments);
+  const Table table = table_of_runs(results), robustness = table_of_robustness(results, arguments);
+  fmt::print("{}\n{}", table.text(), robustness.text());
+  if (arguments.figures)
+    draw_all(results, arguments, [](const Trial& trial) { return trial.name.ends_with("-seed0"); });
+  json runs = json::array();
+  for (const TrialResult& result : results) runs.push_back(result.summary);
+  return {{"tables", {{"runs", table.json()}, {"robustness", robustness.json()}}}, {"runs", runs}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_driver(argc, argv, "multi_obstacle",
+                    "Several obstacles: 3-D pick-and-place, and a planar motion from CSV recordings", run);
+}

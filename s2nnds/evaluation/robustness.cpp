@@ -1,0 +1,169 @@
+#include "s2nnds/evaluation/robustness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "s2nnds/core/parallel.h"
+#include "s2nnds/core/random.h"
+#include "s2nnds/problem/region_sampler.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+struct Motion {
+  Points path;
+  StopReason stop = StopReason::time_out;
+  double duration = 0.0;
+};
+
+bool is_free(const SafetyProblem& problem, const Vector& x) {
+  const Points at = x.transpose();
+  return problem.workspace.contains(x) && problem.unsafe->level(at)[0] > 0.0;
+}
+
+Motion follow(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
+              const RolloutOptions& options) {
+  const Rollout rollout = roll_out(f, problem, start, options);
+  return {rollout.position, rollout.stop,
+          rollout.time.size() > 0 ? rollout.time[rollout.time.size() - 1] : 0.0};
+}
+
+Motion follow_pushed(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
+                     const Vector& push, const RolloutOptions& options) {
+  const Motion whole = follow(f, problem, start, options);
+  if (whole.stop != StopReason::reached_goal) return whole;
+  RolloutOptions half = options;
+  half.duration = 0.5 * whole.duration;
+  Motion motion = follow(f, problem, start, half);
+  const Vector moved = motion.path.row(motion.path.rows() - 1).transpose() + push;
+  if (!is_free(problem, moved)) {
+    motion.stop = problem.workspace.contains(moved) ? StopReason::entered_unsafe : StopReason::left_workspace;
+    return motion;
+  }
+  const Motion rest = follow(f, problem, moved, options);
+  Points path(motion.path.rows() + rest.path.rows(), motion.path.cols());
+  path << motion.path, rest.path;
+  return {path, rest.stop, motion.duration + rest.duration};
+}
+
+double distance(const Points& path, const Points& obstacle) {
+  double least = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < path.rows(); ++i)
+    least = std::min(least, (obstacle.rowwise() - path.row(i)).rowwise().squaredNorm().minCoeff());
+  return std::sqrt(least);
+}
+
+Points grid_of(const SafetyProblem& problem, int side) {
+  const Eigen::Index n = problem.dimension();
+  Eigen::Index count = 1;
+  for (Eigen::Index k = 0; k < n; ++k) count *= side;
+  std::vector<Vector> kept;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Vector x(n);
+    Eigen::Index rest = i;
+    for (Eigen::Index k = 0; k < n; ++k, rest /= side) {
+      const double share = (static_cast<double>(rest % side) + 0.5) / side;
+      x[k] = problem.workspace.lower[k] + share * (problem.workspace.upper[k] - problem.workspace.lower[k]);
+    }
+    if (is_free(problem, x)) kept.push_back(x);
+  }
+  Points grid(static_cast<Eigen::Index>(kept.size()), n);
+  for (std::size_t i = 0; i < kept.size(); ++i) grid.row(static_cast<Eigen::Index>(i)) = kept[i].transpose();
+  return grid;
+}
+
+Vector normal(Eigen::Index n, RandomStream& random) {
+  Vector v(n);
+  for (Eigen::Index k = 0; k < n; ++k) v[k] = random.normal();
+  return v;
+}
+
+MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& motions,
+                        const Points& obstacle) {
+  MotionOutcomes found{.starts = starts, .motions = static_cast<std::int64_t>(motions.size())};
+  std::vector<double> times, distances(motions.size(), kNotMeasured);
+  if (obstacle.rows() > 0) {
+    parallel_for(static_cast<std::ptrdiff_t>(motions.size()),
+                 [&](std::ptrdiff_t i, int) { distances[i] = distance(motions[i].path, obstacle); });
+  }
+  std::int64_t converged = 0, unsafe = 0;
+  for (const Motion& motion : motions) {
+    if (motion.stop == StopReason::reached_goal) {
+      ++converged;
+      times.push_back(motion.duration);
+    }
+    unsafe += motion.stop == StopReason::entered_unsafe || motion.stop == StopReason::left_workspace ||
+              motion.stop == StopReason::step_failed;
+  }
+  const auto count = static_cast<double>(motions.size());
+  found.converged = static_cast<double>(converged) / count;
+  found.safe = 1.0 - static_cast<double>(unsafe) / count;
+  found.closest = *std::min_element(distances.begin(), distances.end());
+  for (const double d : distances) found.mean_closest += d / count;
+  std::sort(times.begin(), times.end());
+  found.time_to_goal = times.empty() ? kNotMeasured : times[times.size() / 2];
+  return found;
+}
+
+}  // namespace
+
+std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const SafetyProblem& problem,
+                                               const std::vector<Demonstration>& demonstrations,
+                                               std::uint64_t seed, const RobustnessOptions& options) {
+  const Eigen::Index n = problem.dimension();
+  Points obstacle(0, n);
+  const RegionSampler sampler(problem.unsafe, problem.workspace);
+  RandomStream obstacle_random(seed, "robustness/obstacle");
+  if (!sampler.empty())
+    obstacle = sampler.sample(static_cast<std::size_t>(options.obstacle_samples), obstacle_random);
+
+  const auto all = [&](Eigen::Index count, const std::function<Motion(Eigen::Index)>& one) {
+    std::vector<Motion> motions(static_cast<std::size_t>(count));
+    parallel_for(count, [&](std::ptrdiff_t i, int) { motions[i] = one(i); });
+    return motions;
+  };
+  std::vector<MotionOutcomes> found;
+  const Points grid = grid_of(problem, n == 2 ? options.grid : std::min(options.grid, 8));
+  found.push_back(outcomes(
+      "grid",
+      all(grid.rows(),
+          [&](Eigen::Index i) { return follow(f, problem, grid.row(i).transpose(), options.rollout); }),
+      obstacle));
+
+  RandomStream beside(seed, "robustness/perturbed"), pushing(seed, "robustness/pushed");
+  std::vector<Vector> perturbed, own, pushes;
+  for (const Demonstration& demonstration : demonstrations) {
+    const Vector start = demonstration.position.row(0).transpose();
+    for (int k = 0; k < options.repetitions; ++k) {
+      Vector moved = start + options.perturbation * normal(n, beside);
+      for (int attempt = 0; attempt < 100 && !is_free(problem, moved); ++attempt)
+        moved = start + options.perturbation * normal(n, beside);
+      perturbed.push_back(is_free(problem, moved) ? moved : start);
+      own.push_back(start);
+      pushes.push_back(options.push * normal(n, pushing).normalized());
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(own.size());
+  if (count == 0) return found;
+  found.push_back(outcomes("perturbed",
+                           all(count,
+                               [&](Eigen::Index i) {
+                                 return follow(f, problem, perturbed[static_cast<std::size_t>(i)],
+                                               options.rollout);
+                               }),
+                           obstacle));
+  found.push_back(outcomes("pushed",
+                           all(count,
+                               [&](Eigen::Index i) {
+                                 const auto k = static_cast<std::size_t>(i);
+                                 return follow_pushed(f, problem, own[k], pushes[k], options.rollout);
+                               }),
+                           obstacle));
+  return found;
+}
+
+}  // namespace s2nnds

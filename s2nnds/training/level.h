@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "s2nnds/conditions/condition.h"
+#include "s2nnds/core/random.h"
+#include "s2nnds/problem/region_sampler.h"
+
+namespace s2nnds {
+
+struct LevelOptions {
+  std::int64_t samples = 50000;  // uniform in X; two fifths as many each in X0, Xu and the shell
+  double band = 0.01;            // eps_B
+  double reach = 0.1;            // |c| at most
+  double slack = 0.005;          // X0 and Xu must keep this far (in B) from {B = c}
+  double slack_decrease = 0.03;  // where |B - c| <= 1.5 band, Bdot <= -slack_decrease
+};
+
+// Which level set of B to call {B = 0}. The conditions on B speak of one level set only, and what training
+// has made of B may violate them there, but hold, or hold for a larger set, at a level nearby.
+class LevelChoice {
+ public:
+  LevelChoice(const SafetyProblem& problem, const LevelOptions& options);
+
+  // The largest c in [-reach, reach] such that no sample violates a condition of B - c, with the slack; none
+  // if there is no such c. Samples only: whoever shifts B must look again.
+  std::optional<double> largest(const Networks& networks, RandomStream& random) const;
+
+ private:
+  SafetyProblem problem_;
+  LevelOptions options_;
+  std::optional<RegionSampler> initial_;
+  std::vector<RegionSampler> outside_;  // Xu and the shell
+};
+
+}  // namespace s2nnds

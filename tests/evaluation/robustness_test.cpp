@@ -1,0 +1,83 @@
+#include "s2nnds/evaluation/robustness.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace s2nnds {
+namespace {
+
+LayerStack linear(const Points& weight) {
+  return {.layers = {{.weight = weight, .bias = {}, .activation = Activation::identity}}};
+}
+
+SafetyProblem problem_with(RegionOptions unsafe) {
+  SafetyProblem problem;
+  problem.workspace = Box::cube(2, 1.0);
+  problem.initial = empty_region(2);
+  problem.unsafe = make_region(unsafe, 2);
+  return problem;
+}
+
+std::vector<Demonstration> starting_at(double x, double y) {
+  Demonstration demonstration;
+  demonstration.position = Points{{x, y}, {0.0, 0.0}};
+  return {demonstration};
+}
+
+RegionOptions ball(double x, double y, double radius) {
+  RegionOptions options;
+  options.type = "ball";
+  options.center = {x, y};
+  options.radius = radius;
+  return options;
+}
+
+TEST(Robustness, OfAContractionIsKnownInClosedForm) {
+  // xdot = -x: straight lines to the goal, there within 0.02 after log(r / 0.02).
+  const SafetyProblem problem = problem_with(ball(0.0, 0.5, 0.1));
+  const auto found =
+      measure_robustness(linear(Points{{-1.0, 0.0}, {0.0, -1.0}}), problem, starting_at(0.8, 0.0), 1);
+  ASSERT_EQ(found.size(), 3U);
+  for (const MotionOutcomes& outcomes : found) EXPECT_DOUBLE_EQ(outcomes.converged, outcomes.safe);
+  // Of the grid the ball stops what starts in the cone behind it.
+  EXPECT_EQ(found[0].starts, "grid");
+  EXPECT_GT(found[0].converged, 0.9);
+  EXPECT_LT(found[0].converged, 1.0);
+  EXPECT_LE(found[0].closest, 0.02);
+  // The ball is 0.4 from the goal and farther from anything near the x axis.
+  EXPECT_EQ(found[1].starts, "perturbed");
+  EXPECT_EQ(found[1].motions, 10);
+  EXPECT_DOUBLE_EQ(found[1].converged, 1.0);
+  EXPECT_NEAR(found[1].time_to_goal, std::log(0.8 / 0.02), 0.4);
+  EXPECT_EQ(found[2].starts, "pushed");
+  EXPECT_DOUBLE_EQ(found[2].safe, 1.0);
+  EXPECT_GT(found[2].closest, 0.25);
+  EXPECT_LT(found[2].closest, 0.42);
+}
+
+TEST(Robustness, OfADriftIsNil) {
+  const LayerStack drift = {
+      .layers = {
+          {.weight = Points::Zero(2, 2), .bias = Vector{{1.0, 0.0}}, .activation = Activation::identity}}};
+  const auto found = measure_robustness(drift, problem_with({}), starting_at(0.0, 0.5), 1);
+  for (const MotionOutcomes& outcomes : found) {
+    EXPECT_LE(outcomes.converged, 0.1);
+    EXPECT_TRUE(std::isnan(outcomes.closest)) << "there is no obstacle";
+  }
+  EXPECT_DOUBLE_EQ(found[1].safe, 0.0);
+}
+
+TEST(Robustness, SameSeedSameFigures) {
+  const SafetyProblem problem = problem_with(ball(0.0, 0.5, 0.1));
+  const LayerStack f = linear(Points{{-1.0, -2.0}, {2.0, -1.0}});
+  const RobustnessOptions small{.grid = 4};
+  const auto once = measure_robustness(f, problem, starting_at(0.8, 0.0), 7, small),
+             again = measure_robustness(f, problem, starting_at(0.8, 0.0), 7, small),
+             other = measure_robustness(f, problem, starting_at(0.8, 0.0), 8, small);
+  EXPECT_EQ(once[2].mean_closest, again[2].mean_closest);
+  EXPECT_NE(once[2].mean_closest, other[2].mean_closest);
+}
+
+}  // namespace
+}  // namespace s2nnds
