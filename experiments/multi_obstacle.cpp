@@ -57,8 +57,9 @@ std::string write_recordings(const std::string& folder) {
 json run(const Arguments& arguments) {
   const std::string files = write_recordings(arguments.out + "/recordings");
   std::vector<Trial> trials;
-  const auto add = [&](const std::string& name, const std::vector<std::string>& assignments) {
-    const std::string config = "other/" + name + ".toml";
+  const auto add = [&](const std::string& folder, const std::string& name,
+                       const std::vector<std::string>& assignments) {
+    const std::string config = folder + "/" + name + ".toml";
     for (const int seed : arguments.seeds)
       trials.push_back({fmt::format("{}-seed{}", name, seed), config, assignments, seed});
     std::vector<std::string> without = uncertified();
@@ -66,8 +67,8 @@ json run(const Arguments& arguments) {
     const int first = arguments.seeds.front();
     trials.push_back({fmt::format("{}-seed{}-uncertified", name, first), config, without, first});
   };
-  add("pick_box", {});
-  add("robot", {files});
+  add("other", "pick_box", {});
+  add("recordings", "robot", {files});
   const std::vector<TrialResult> results = run_trials(trials, arguments);
   const Table table = table_of_runs(results), robustness = table_of_robustness(results, arguments);
   fmt::print("{}\n{}", table.text(), robustness.text());

@@ -159,8 +159,8 @@ void draw_together(const std::string& name, const std::string& kind, const std::
 
 std::vector<std::string> uncertified() {
   return {"training.loss.lyapunov=0", "training.loss.separation=0",     "training.loss.band=0",
-          "training.loss.labels=0",   "training.label_points=0",        "training.rounds=6",
-          "training.min_rounds=6",    "training.mend_rounds=0",         "training.growth_rounds=0",
+          "training.loss.labels=0",   "training.label_points=0",        "training.rounds=5",
+          "training.min_rounds=5",    "training.mend_rounds=0",         "training.growth_rounds=0",
           "training.samples=1000",    "verification.method=\"sampled\""};
 }
 

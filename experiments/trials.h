@@ -67,7 +67,7 @@ void draw_together(const std::string& name, const std::string& kind, const std::
                    const nlohmann::json& found = nullptr);
 
 // Settings that fit f to the demonstrations and ask nothing else of it: what the certificate costs is
-// measured against such a run. Six rounds, as many as a certified run has at least.
+// measured against such a run. Five rounds, as many as a certified run has at least.
 std::vector<std::string> uncertified();
 
 // Runs a driver: its command line (--data, --out, --results, --set, --seeds, --jobs, --quick, --no-figures),

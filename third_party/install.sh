@@ -12,9 +12,11 @@ packages=(
   libspdlog-dev libfmt-dev     # the programs' log and all messages
   libmatio-dev                 # MATLAB files
   libtomlplusplus-dev libcli11-dev nlohmann-json3-dev
+  libonnx-dev libprotobuf-dev  # ONNX export
   libssl-dev                   # SHA-256 of the certified weights
   libgtest-dev libbenchmark-dev libmpfr-dev
-  python3 python3-torch python3-numpy python3-scipy python3-h5py python3-matplotlib
+  python3 python3-torch python3-numpy python3-scipy python3-h5py python3-matplotlib python3-onnx
+  jupyter-nbconvert python3-ipykernel   # runs the notebooks
 )
 
 stop() {

@@ -10,6 +10,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/cpp_header.h"
+#include "s2nnds/deployment/onnx.h"
 #include "s2nnds/deployment/torchscript.h"
 #include "s2nnds/runs/pipeline.h"
 #include "s2nnds/runs/threads.h"
@@ -159,9 +160,9 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
 int export_policy(const ExportArguments& arguments, const CommonArguments& common) {
   set_threads(common.threads);
   const RunRecord record = load_run(arguments.run);
-  const bool header = arguments.format == "cpp";
+  const bool header = arguments.format == "cpp", onnx = arguments.format == "onnx";
   const std::string path =
-      arguments.out.empty() ? sibling(arguments.run, header ? ".h" : ".pt") : arguments.out;
+      arguments.out.empty() ? sibling(arguments.run, header ? ".h" : onnx ? ".onnx" : ".pt") : arguments.out;
   check_writable(path);
   check(record.certificate.weight_hash.empty() ||
             record.certificate.weight_hash == weight_hash(record.networks),
@@ -169,10 +170,12 @@ int export_policy(const ExportArguments& arguments, const CommonArguments& commo
   const PolicyInfo info = policy_info(record);
   if (header) {
     export_cpp_header(record.networks, info, header_precision_from(arguments.precision), path);
+  } else if (onnx) {
+    export_onnx(record.networks, info, path);
   } else {
     export_torchscript(record.networks, info, path);
   }
-  fmt::print("{}: {} policy, guarantee {}\n", path, header ? "C++" : "TorchScript", info.guarantee);
+  fmt::print("{}: {} policy, guarantee {}\n", path, header ? "C++" : onnx ? "ONNX" : "TorchScript", info.guarantee);
   if (common.json) fmt::print("{}\n", summary_json(record, arguments.run));
   return kVerified;
 }

@@ -62,11 +62,11 @@ int run(int argc, char** argv) {
   ExportArguments policy;
   sub = command("export", "write the policy of a stored run");
   sub->add_option("run", policy.run, "run file")->required();
-  sub->add_option("--format", policy.format, "torchscript, or cpp: a header for control loops")
-      ->check(CLI::IsMember({"torchscript", "cpp"}));
+  sub->add_option("--format", policy.format, "torchscript, onnx, or cpp: a header for control loops")
+      ->check(CLI::IsMember({"torchscript", "onnx", "cpp"}));
   sub->add_option("--precision", policy.precision, "cpp: what f is computed in, float or double")
       ->check(CLI::IsMember({"float", "double"}));
-  sub->add_option("--out", policy.out, "file to write (default RUN.pt or RUN.h)");
+  sub->add_option("--out", policy.out, "file to write (default RUN.pt, RUN.onnx or RUN.h)");
   sub->callback([&] { code = export_policy(policy, common); });
 
   PlotArguments figures;

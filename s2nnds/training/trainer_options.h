@@ -72,7 +72,7 @@ struct BatchOptions {
 struct TrainerOptions {
   std::string engine = "fused";  // fused, autograd (the reference)
   std::int64_t rounds = 40;      // at most
-  std::int64_t min_rounds = 6;   // stopping at the first clean round underfits the demonstrations
+  std::int64_t min_rounds = 5;   // stopping at the first clean round underfits the demonstrations
   std::int64_t steps = 500;      // Adam steps a round
   double rate_f = 1e-3;
   double rate_certificates = 3e-3;  // V and B

@@ -237,7 +237,7 @@ class OutputTest(ProgramTest):
         os.mkdir(self.path("folder.h5"))
         self.assert_refused(self.call("train", SINE, *settings(), "--out", self.path("folder.h5")), "folder.h5")
         run = self.trained()
-        for kind in ("torchscript", "cpp"):
+        for kind in ("torchscript", "onnx", "cpp"):
             refused = self.call("export", run, "--format", kind, "--out", self.path("folder.h5"))
             self.assert_refused(refused, "folder.h5")
 
@@ -291,7 +291,7 @@ class FullDiskTest(ProgramTest):
         out = self.path("run.out")
         with open(out, "wb") as file:
             file.write(KEPT)
-        for kind in ("torchscript", "cpp"):
+        for kind in ("torchscript", "onnx", "cpp"):
             self.assert_refused(self.limited("export", run, "--format", kind, "--out", out), out, "cannot write")
         os.remove(run)
         self.assert_kept(out)

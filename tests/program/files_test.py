@@ -12,6 +12,40 @@ from command_line import ProgramTest
 from s2nnds_run import Run
 
 
+def interpret_onnx(model, x):
+    """The outputs of a model that has no operators but these, by their definitions."""
+    from onnx import numpy_helper
+
+    values = {tensor.name: numpy_helper.to_array(tensor) for tensor in model.graph.initializer}
+    values[model.graph.input[0].name] = x
+    operators = {
+        "Div": lambda a, b: a / b,
+        "Mul": lambda a, b: a * b,
+        "Add": lambda a, b: a + b,
+        "Sub": lambda a, b: a - b,
+        "Gemm": lambda a, w, b=0.0: a @ w.T + b,  # transB = 1
+        "Tanh": np.tanh,
+        "Sin": np.sin,
+        "Sigmoid": lambda a: 1 / (1 + np.exp(-a)),
+        "Softplus": lambda a: np.logaddexp(0, a),
+        "Elu": lambda a: np.where(a > 0, a, np.expm1(a)),
+        "Identity": lambda a: a,
+        "Squeeze": lambda a, axes: a.squeeze(tuple(axes)),
+        "ReduceSum": lambda a, axes: a.sum(tuple(axes)),
+    }
+    for node in model.graph.node:
+        values[node.output[0]] = operators[node.op_type](*(values[name] for name in node.input))
+    return [values[output.name] for output in model.graph.output]
+
+
+def run_onnx(path, x):
+    try:
+        import onnxruntime
+    except ImportError:
+        return None
+    return onnxruntime.InferenceSession(path, providers=["CPUExecutionProvider"]).run(None, {"position": x})
+
+
 class ExportTest(ProgramTest):
     def setUp(self):
         super().setUp()
@@ -55,6 +89,31 @@ class ExportTest(ProgramTest):
                 path = self.trained(changes=changes)
                 self.export(path, "--out", self.path("other.pt"))
                 self.assert_same_values(self.path("other.pt"), Run(path), torch.float64, 1e-6)
+
+    def test_onnx_computes_the_same(self):
+        import onnx
+
+        for changes in ({}, {"networks.f.activation": '"elu"', "networks.V.activation": '"softplus"', "networks.B.activation": '"silu"'},
+                        {"profile": '"paper"', "networks.f.activation": '"sine"'}):  # fmt: skip
+            with self.subTest(changes=changes):
+                path, out = self.trained(changes=changes), self.path("policy.onnx")
+                code, _, err = self.call("export", path, "--format", "onnx", "--out", out)
+                self.assertEqual((code, err), (0, ""))
+                model = onnx.load(out)
+                onnx.checker.check_model(model, full_check=True)
+                run = Run(path)
+                about = {entry.key: entry.value for entry in model.metadata_props}
+                self.assertEqual((about["guarantee"], about["unit"]), (run.guarantee, run.data.unit))
+                self.assertEqual(about["weight_hash"], run.certificate["weight_hash"])
+                self.assertEqual(float(about["position_scale"]), run.data.position_scale)
+                normalised = self.rng.uniform(run.problem.workspace_lower, run.problem.workspace_upper, (200, run.dimension))
+                x = (normalised * run.data.position_scale).astype(np.float32)
+                for results in (interpret_onnx(model, x), run_onnx(out, x)):
+                    if results is None:
+                        continue  # no onnxruntime here
+                    for found, expected in zip(results, (run.data.velocity_scale * run.f(normalised), run.V(normalised), run.B(normalised))):
+                        self.assertEqual(found.shape, expected.shape)
+                        self.assertLess(np.abs(found - expected).max(), 1e-4 * max(1.0, np.abs(expected).max()))
 
     def test_goal_is_an_equilibrium(self):
         path = self.trained()

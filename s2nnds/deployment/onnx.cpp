@@ -1,0 +1,170 @@
+#include "s2nnds/deployment/onnx.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <onnx/onnx_pb.h>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/core/whole_file.h"
+
+namespace s2nnds {
+namespace {
+
+// Builds a graph node by node; every value has a name of its own.
+class GraphBuilder {
+ public:
+  explicit GraphBuilder(onnx::GraphProto& graph) : graph_(graph) {}
+
+  std::string constant(const std::vector<float>& values, const std::vector<std::int64_t>& shape) {
+    onnx::TensorProto& tensor = *graph_.add_initializer();
+    tensor.set_data_type(onnx::TensorProto::FLOAT);
+    for (const std::int64_t size : shape) tensor.add_dims(size);
+    for (const float value : values) tensor.add_float_data(value);
+    tensor.set_name(next_name());
+    return tensor.name();
+  }
+  std::string constant(double value) { return constant({static_cast<float>(value)}, {}); }
+
+  std::string axis_one() {
+    onnx::TensorProto& tensor = *graph_.add_initializer();
+    tensor.set_data_type(onnx::TensorProto::INT64);
+    tensor.add_dims(1);
+    tensor.add_int64_data(1);
+    tensor.set_name(next_name());
+    return tensor.name();
+  }
+
+  std::string node(const std::string& type, const std::vector<std::string>& inputs,
+                   const std::vector<std::pair<std::string, std::int64_t>>& attributes = {},
+                   const std::string& output = "") {
+    onnx::NodeProto& node = *graph_.add_node();
+    node.set_op_type(type);
+    for (const std::string& input : inputs) node.add_input(input);
+    for (const auto& [name, value] : attributes) {
+      onnx::AttributeProto& attribute = *node.add_attribute();
+      attribute.set_name(name);
+      attribute.set_type(onnx::AttributeProto::INT);
+      attribute.set_i(value);
+    }
+    const std::string result = output.empty() ? next_name() : output;
+    node.add_output(result);
+    node.set_name(type + "_" + result);
+    return result;
+  }
+
+ private:
+  std::string next_name() { return fmt::format("value_{}", count_++); }
+
+  onnx::GraphProto& graph_;
+  int count_ = 0;
+};
+
+std::vector<float> floats(const double* data, Eigen::Index count) { return {data, data + count}; }
+
+std::string activate(GraphBuilder& graph, Activation activation, const std::string& z) {
+  switch (activation) {
+    case Activation::identity:
+      return z;
+    case Activation::tanh:
+      return graph.node("Tanh", {z});
+    case Activation::elu:
+      return graph.node("Elu", {z});
+    case Activation::softplus:
+      return graph.node("Softplus", {z});
+    case Activation::silu:
+      return graph.node("Mul", {z, graph.node("Sigmoid", {z})});
+    case Activation::sine:
+      return graph.node("Sin", {z});
+  }
+  fail("activation: found the unknown value {}", static_cast<int>(activation));
+}
+
+// y(z) for normalised z [N, n]: [N, m], or [N] where there is one output.
+std::string add_network(GraphBuilder& graph, const LayerStack& stack, const std::string& z) {
+  stack.check();
+  std::string a = z;
+  for (const Layer& layer : stack.layers) {
+    std::vector<std::string> inputs = {a, graph.constant(floats(layer.weight.data(), layer.weight.size()),
+                                                         {layer.weight.rows(), layer.weight.cols()})};
+    if (layer.bias.size() > 0)
+      inputs.push_back(graph.constant(floats(layer.bias.data(), layer.bias.size()), {layer.bias.size()}));
+    a = activate(graph, layer.activation, graph.node("Gemm", inputs, {{"transB", 1}}));
+  }
+  if (stack.head != Head::plain) {
+    LayerStack plain = stack;
+    plain.head = Head::plain;
+    const Points origin = plain.value(Points::Zero(1, stack.input_dimension()));
+    a = graph.node("Sub", {a, graph.constant(floats(origin.data(), origin.size()), {origin.size()})});
+  }
+  const auto sum_of_squares = [&](const std::string& v) {
+    return graph.node("ReduceSum", {graph.node("Mul", {v, v}), graph.axis_one()}, {{"keepdims", 0}});
+  };
+  if (stack.head == Head::squared_norm) {
+    return graph.node(
+        "Add", {sum_of_squares(a), graph.node("Mul", {graph.constant(stack.quadratic), sum_of_squares(z)})});
+  }
+  return a;
+}
+
+void describe(onnx::ValueInfoProto& value, const std::string& name, std::int64_t columns) {
+  value.set_name(name);
+  onnx::TypeProto::Tensor& type = *value.mutable_type()->mutable_tensor_type();
+  type.set_elem_type(onnx::TensorProto::FLOAT);
+  type.mutable_shape()->add_dim()->set_dim_param("N");
+  if (columns > 0) type.mutable_shape()->add_dim()->set_dim_value(columns);
+}
+
+void add_metadata(onnx::ModelProto& model, const Networks& networks, const PolicyInfo& info) {
+  const auto entry = [&](const std::string& key, const std::string& value) {
+    onnx::StringStringEntryProto& property = *model.add_metadata_props();
+    property.set_key(key);
+    property.set_value(value);
+  };
+  Vector corners(2 * info.workspace_lower.size());
+  corners << info.position_scale * info.workspace_lower, info.position_scale * info.workspace_upper;
+  entry("name", info.name);
+  entry("unit", info.unit);
+  entry("guarantee", info.guarantee);
+  entry("statement", info.statement);
+  entry("weight_hash", weight_hash(networks));
+  entry("dimension", std::to_string(networks.f.input_dimension()));
+  entry("position_scale", fmt::format("{}", info.position_scale));
+  entry("velocity_scale", fmt::format("{}", info.velocity_scale));
+  entry("workspace", fmt::format("{}", fmt::join(corners.begin(), corners.end(), ", ")));
+}
+
+}  // namespace
+
+void export_onnx(const Networks& networks, const PolicyInfo& info, const std::string& path) {
+  const std::int64_t n = networks.f.input_dimension();
+  check(info.workspace_lower.size() == n && info.workspace_upper.size() == n,
+        "policy: found a workspace of dimension {}, expected {}", info.workspace_lower.size(), n);
+  onnx::ModelProto model;
+  model.set_ir_version(7);
+  model.set_producer_name("s2nnds");
+  model.add_opset_import()->set_version(13);
+  onnx::GraphProto& graph = *model.mutable_graph();
+  graph.set_name("policy");
+  describe(*graph.add_input(), "position", n);
+  describe(*graph.add_output(), "velocity", n);
+  describe(*graph.add_output(), "lyapunov", 0);
+  describe(*graph.add_output(), "barrier", 0);
+  GraphBuilder builder(graph);
+  const std::string z = builder.node("Div", {"position", builder.constant(info.position_scale)});
+  const std::string f = add_network(builder, networks.f, z);
+  builder.node("Mul", {f, builder.constant(info.velocity_scale)}, {}, "velocity");
+  for (const auto& [stack, name] : {std::pair(&networks.V, "lyapunov"), std::pair(&networks.B, "barrier")}) {
+    const std::string y = add_network(builder, *stack, z);
+    if (stack->head == Head::squared_norm) {
+      builder.node("Identity", {y}, {}, name);
+    } else {
+      builder.node("Squeeze", {y, builder.axis_one()}, {}, name);
+    }
+  }
+  add_metadata(model, networks, info);
+  std::string bytes;
+  check(model.SerializeToString(&bytes), "policy: ONNX refused the model");
+  write_whole_file(path, bytes, "the policy");
+}
+
+}  // namespace s2nnds
