@@ -40,20 +40,14 @@ constexpr Motion kMotions[] = {{"Sine", 0.035, 0.025, 2.02, 2.68, 0.0240},
                                {"Sshape", 0.014, 0.012, 3.871, 3.768, 0.0176},
                                {"Worm", 0.014, 0.066, 3.865, 3.101, 0.0218},
                                {"PShape", 0.016, 0.048, 3.59, 3.13, 0.0135}};
-constexpr std::pair<int, int> kSplits[] = {{0, 1}, {2, 3}, {4, 5}, {6, 0}, {1, 5}};
-
 std::string config_of(const Motion& motion) { return std::string("abc_ds/") + motion.name + ".toml"; }
 
 std::vector<Trial> trials_of(const Motion& motion, const Arguments& arguments) {
   std::vector<Trial> trials;
   for (const int seed : arguments.seeds)
     trials.push_back({fmt::format("{}-seed{}", motion.name, seed), config_of(motion), {}, seed});
-  for (const auto& [a, b] : kSplits) {
-    if (arguments.quick && a != 0) continue;
-    trials.push_back({fmt::format("{}-test{}{}", motion.name, a, b),
-                      config_of(motion),
-                      {fmt::format("data.test=[{}, {}]", a, b), "training.growth_rounds=0"}});
-  }
+  for (Trial& split : split_trials(motion.name, config_of(motion), arguments))
+    trials.push_back(std::move(split));
   return trials;
 }
 
@@ -104,8 +98,6 @@ std::string verdict_cell(const json& condition) {
   const auto witness = condition["witness"].get<std::vector<double>>();
   return fmt::format("refuted at ({:.3f}, {:.3f})", witness.at(0), witness.at(1));
 }
-
-bool is_first_seed(const Trial& trial) { return trial.name.ends_with("-seed0"); }
 
 json run(const Arguments& arguments) {
   std::vector<Trial> trials;
@@ -178,8 +170,8 @@ json run(const Arguments& arguments) {
       {"runs", runs},
       {"abc_ds", published_rows}};
   if (arguments.figures) {
-    draw_all(results, arguments, is_first_seed);
-    draw_together("fig4", "against", results, arguments, is_first_seed, found);
+    draw_all(results, arguments);
+    draw_together("fig4", "against", results, arguments, found);
   }
   return found;
 }

@@ -56,27 +56,10 @@ std::string write_recordings(const std::string& folder) {
 
 json run(const Arguments& arguments) {
   const std::string files = write_recordings(arguments.out + "/recordings");
-  std::vector<Trial> trials;
-  const auto add = [&](const std::string& folder, const std::string& name,
-                       const std::vector<std::string>& assignments) {
-    const std::string config = folder + "/" + name + ".toml";
-    for (const int seed : arguments.seeds)
-      trials.push_back({fmt::format("{}-seed{}", name, seed), config, assignments, seed});
-    std::vector<std::string> without = uncertified();
-    without.insert(without.end(), assignments.begin(), assignments.end());
-    const int first = arguments.seeds.front();
-    trials.push_back({fmt::format("{}-seed{}-uncertified", name, first), config, without, first});
-  };
-  add("other", "pick_box", {});
-  add("recordings", "robot", {files});
-  const std::vector<TrialResult> results = run_trials(trials, arguments);
-  const Table table = table_of_runs(results), robustness = table_of_robustness(results, arguments);
-  fmt::print("{}\n{}", table.text(), robustness.text());
-  if (arguments.figures)
-    draw_all(results, arguments, [](const Trial& trial) { return trial.name.ends_with("-seed0"); });
-  json runs = json::array();
-  for (const TrialResult& result : results) runs.push_back(result.summary);
-  return {{"tables", {{"runs", table.json()}, {"robustness", robustness.json()}}}, {"runs", runs}};
+  std::vector<Trial> trials = seed_trials("pick_box", "other/pick_box.toml", arguments);
+  for (Trial& trial : seed_trials("robot", "recordings/robot.toml", arguments, {files}))
+    trials.push_back(std::move(trial));
+  return report_runs(run_trials(trials, arguments), arguments);
 }
 
 }  // namespace

@@ -15,8 +15,8 @@
 namespace s2nnds::experiment {
 namespace {
 
-// The solver leaves linear terms below 1e-15 in V, by which V < 0 somewhere arbitrarily near the goal. They
-// are noise, and are dropped here: what is judged is the V that was meant.
+// The solver leaves linear terms of V below 1e-15 in the files at hand, by which V < 0 somewhere arbitrarily
+// near the goal. They are noise, and are dropped here: what is judged is the V that was meant.
 Polynomial without_linear_noise(const Polynomial& V) {
   Vector coefficients = V.coefficients();
   for (Eigen::Index t = 0; t < V.terms(); ++t) {

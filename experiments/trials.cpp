@@ -131,10 +131,13 @@ void run_plot(const std::string& script, const std::vector<std::string>& words) 
 
 }  // namespace
 
-void draw_all(const std::vector<TrialResult>& results, const Arguments& arguments,
-              const std::function<bool(const Trial&)>& wanted) {
+bool is_drawn(const Trial& trial, const Arguments& arguments) {
+  return trial.name.ends_with(fmt::format("-seed{}", arguments.seeds.front()));
+}
+
+void draw_all(const std::vector<TrialResult>& results, const Arguments& arguments) {
   for (const TrialResult& result : results) {
-    if (!wanted(result.trial)) continue;
+    if (!is_drawn(result.trial, arguments)) continue;
     const fs::path folder = fs::path(arguments.out) / "figures" / result.trial.name;
     fs::create_directories(folder);
     run_plot("plot_run.py", {result.run, "--out", folder});
@@ -142,8 +145,7 @@ void draw_all(const std::vector<TrialResult>& results, const Arguments& argument
 }
 
 void draw_together(const std::string& name, const std::string& kind, const std::vector<TrialResult>& results,
-                   const Arguments& arguments, const std::function<bool(const Trial&)>& wanted,
-                   const nlohmann::json& found) {
+                   const Arguments& arguments, const nlohmann::json& found) {
   const fs::path figures = fs::path(arguments.out) / "figures";
   fs::create_directories(figures);
   std::vector<std::string> words = {kind, figures / (name + ".png")};
@@ -152,9 +154,34 @@ void draw_together(const std::string& name, const std::string& kind, const std::
     write_whole_file(words.back(), found.dump(), "what the figure shows");
   }
   for (const TrialResult& result : results) {
-    if (wanted(result.trial)) words.push_back(result.run);
+    if (is_drawn(result.trial, arguments)) words.push_back(result.run);
   }
   run_plot("plot_paper.py", words);
+}
+
+std::vector<Trial> seed_trials(const std::string& name, const std::string& config, const Arguments& arguments,
+                               const std::vector<std::string>& assignments) {
+  std::vector<Trial> trials;
+  for (const int seed : arguments.seeds)
+    trials.push_back({fmt::format("{}-seed{}", name, seed), config, assignments, seed});
+  std::vector<std::string> without = uncertified();
+  without.insert(without.end(), assignments.begin(), assignments.end());
+  const int first = arguments.seeds.front();
+  trials.push_back({fmt::format("{}-seed{}-uncertified", name, first), config, without, first});
+  return trials;
+}
+
+std::vector<Trial> split_trials(const std::string& name, const std::string& config,
+                                const Arguments& arguments) {
+  std::vector<Trial> trials;
+  for (const auto& [a, b] :
+       {std::pair(0, 1), std::pair(2, 3), std::pair(4, 5), std::pair(6, 0), std::pair(1, 5)}) {
+    trials.push_back({fmt::format("{}-test{}{}", name, a, b),
+                      config,
+                      {fmt::format("data.test=[{}, {}]", a, b), "training.growth_rounds=0"}});
+    if (arguments.quick) break;
+  }
+  return trials;
 }
 
 std::vector<std::string> uncertified() {
@@ -223,6 +250,13 @@ std::string Table::text() const {
 
 nlohmann::json Table::json() const { return {{"head", head_}, {"rows", rows_}}; }
 
+double proof_boxes(const nlohmann::json& summary) {
+  double boxes = 0.0;
+  for (const nlohmann::json& condition : summary["conditions"])
+    if (condition.contains("proof")) boxes += condition["proof"]["boxes"].get<double>();
+  return boxes;
+}
+
 Table table_of_runs(const std::vector<TrialResult>& results) {
   Table table({"run", "guarantee", "rounds", "train s", "proof s", "boxes", "train MSE", "test MSE",
                "test SD", "test DTW", "safe area", "of true", "margin"});
@@ -231,9 +265,7 @@ Table table_of_runs(const std::vector<TrialResult>& results) {
     const auto cell = [&](const char* key, const char* form) {
       return s[key].is_null() ? std::string("-") : fmt::format(fmt::runtime(form), s[key].get<double>());
     };
-    double boxes = 0.0;
-    for (const nlohmann::json& condition : s["conditions"])
-      if (condition.contains("proof")) boxes += condition["proof"]["boxes"].get<double>();
+    const double boxes = proof_boxes(s);
     table.add(
         {result.trial.name, s["guarantee"], cell("rounds", "{:.0f}"),
          fmt::format("{:.0f}", s["seconds"]["training"].get<double>()),
@@ -268,6 +300,15 @@ Table table_of_robustness(const std::vector<TrialResult>& results, const Argumen
     }
   }
   return table;
+}
+
+nlohmann::json report_runs(const std::vector<TrialResult>& results, const Arguments& arguments) {
+  const Table table = table_of_runs(results), robustness = table_of_robustness(results, arguments);
+  fmt::print("{}\n{}", table.text(), robustness.text());
+  if (arguments.figures) draw_all(results, arguments);
+  nlohmann::json runs = nlohmann::json::array();
+  for (const TrialResult& result : results) runs.push_back(result.summary);
+  return {{"tables", {{"runs", table.json()}, {"robustness", robustness.json()}}}, {"runs", runs}};
 }
 
 double median(std::vector<double> values) {

@@ -55,16 +55,32 @@ struct TrialResult {
 // certificate is no failure).
 std::vector<TrialResult> run_trials(const std::vector<Trial>& trials, const Arguments& arguments);
 
-// Draws the phase portrait and the other figures of each run that `wanted` names into OUT/figures/NAME, and
-// says so on stderr.
-void draw_all(const std::vector<TrialResult>& results, const Arguments& arguments,
-              const std::function<bool(const Trial&)>& wanted);
+// Draws the phase portrait and the other figures of each run that is_drawn names into OUT/figures/NAME.
+void draw_all(const std::vector<TrialResult>& results, const Arguments& arguments);
 
 // One figure of all of them, OUT/figures/NAME.png, by plot_paper.py: kind "panels", or "against", which wants
 // the driver's results.
 void draw_together(const std::string& name, const std::string& kind, const std::vector<TrialResult>& results,
-                   const Arguments& arguments, const std::function<bool(const Trial&)>& wanted,
-                   const nlohmann::json& found = nullptr);
+                   const Arguments& arguments, const nlohmann::json& found = nullptr);
+
+// The problem's trials: NAME-seedK for every seed, and NAME-seedK-uncertified for the first of them.
+std::vector<Trial> seed_trials(const std::string& name, const std::string& config, const Arguments& arguments,
+                               const std::vector<std::string>& assignments = {});
+
+// NAME-testAB for the five fixed splits (test demonstrations A and B; with --quick the first one alone), seed
+// 0, without the rounds that only make B grow, which do not touch f.
+std::vector<Trial> split_trials(const std::string& name, const std::string& config,
+                                const Arguments& arguments);
+
+// Prints one row a run and how robust the motions are, draws the first seed's, and returns both tables and
+// the runs for the results file: all that a driver of few runs has to say.
+nlohmann::json report_runs(const std::vector<TrialResult>& results, const Arguments& arguments);
+
+// A certified trial of the first seed: the one that is drawn.
+bool is_drawn(const Trial& trial, const Arguments& arguments);
+
+// Boxes of the proofs of all conditions.
+double proof_boxes(const nlohmann::json& summary);
 
 // Settings that fit f to the demonstrations and ask nothing else of it: what the certificate costs is
 // measured against such a run. Five rounds, as many as a certified run has at least.

@@ -79,7 +79,7 @@ std::string activate(GraphBuilder& graph, Activation activation, const std::stri
   fail("activation: found the unknown value {}", static_cast<int>(activation));
 }
 
-// y(z) for normalised z [N, n]: [N, m], or [N] where there is one output.
+// y(z) for normalised z [N, n]: [N, m], or [N] for squared_norm.
 std::string add_network(GraphBuilder& graph, const LayerStack& stack, const std::string& z) {
   stack.check();
   std::string a = z;

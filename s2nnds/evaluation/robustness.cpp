@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/core/random.h"
@@ -90,6 +89,7 @@ MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& mo
     parallel_for(static_cast<std::ptrdiff_t>(motions.size()),
                  [&](std::ptrdiff_t i, int) { distances[i] = distance(motions[i].path, obstacle); });
   }
+  if (motions.empty()) return found;
   std::int64_t converged = 0, unsafe = 0;
   for (const Motion& motion : motions) {
     if (motion.stop == StopReason::reached_goal) {

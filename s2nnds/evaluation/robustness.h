@@ -14,7 +14,7 @@ struct RobustnessOptions {
   double perturbation = 0.1;  // standard deviation, per axis, of what is added to a start
   double push = 0.1;          // length of the displacement in mid-motion, in a random direction
   int obstacle_samples = 1000;
-  RolloutOptions rollout;
+  RolloutOptions rollout = {};
 };
 
 // How a set of motions ended. Normalised units.
@@ -30,8 +30,9 @@ struct MotionOutcomes {
 
 // Rolls f out from a grid of starts, from starts beside the demonstrations' first points, and from those
 // first points with a sudden displacement half way (of the time to the goal); a displacement that ends in Xu
-// or outside X counts as unsafe. Random numbers: streams "robustness/..." of `seed`. Distances are measured
-// to samples of Xu, so they are an upper bound, closer than the samples' spacing; NaN without an obstacle.
+// or outside X counts as unsafe. As in roll_out, entering the shell is leaving X. Random numbers: streams
+// "robustness/..." of `seed`. Distances are measured to samples of Xu, so they are an upper bound, closer
+// than the samples' spacing; NaN without an obstacle.
 std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const SafetyProblem& problem,
                                                const std::vector<Demonstration>& demonstrations,
                                                std::uint64_t seed, const RobustnessOptions& options = {});

@@ -10,7 +10,7 @@ namespace s2nnds {
 
 struct DisturbanceOptions {
   double tolerance = 0.03;           // relative width of the last bisection
-  std::int64_t max_boxes = 500000;   // examined in each step
+  std::int64_t max_boxes = 500000;   // examined in each step, at most
   double resolution = 1e-4;          // boxes this small, relative to the workspace, are given up
   double radius_resolution = 0.004;  // the same for the ball around the goal
   double max_seconds = 60.0;
