@@ -30,7 +30,7 @@ TEST(Statement, OfNothingPromisesNothing) { EXPECT_TRUE(says(record_with("none")
 TEST(Statement, NamesWhatSamplesPassedAndAProofRefuted) {
   RunRecord record = record_with("sampled");
   record.certificate.conditions = {
-      {.condition = "unsafe", .method = "sampled", .verdict = "passed", .samples = 1234},
+      {.condition = "unsafe", .method = "sampled", .verdict = "passed", .samples = 1234, .witness = {}},
       {.condition = "unsafe", .method = "proof", .verdict = "refuted", .witness = {0.25, -0.5}}};
   EXPECT_TRUE(says(record, "1234 uniform samples"));
   EXPECT_TRUE(says(record, "seed 4"));
@@ -47,14 +47,16 @@ TEST(Statement, OfConformalNamesSamplesEpsilonAndBeta) {
                                     .samples = 250000,
                                     .epsilon = 1e-4,
                                     .beta = 5e-5,
-                                    .attempt = 2},
+                                    .attempt = 2,
+                                    .witness = {}},
                                    {.condition = "initial",
                                     .method = "conformal",
                                     .verdict = "passed",
                                     .samples = 250000,
                                     .epsilon = 1e-4,
                                     .beta = 5e-5,
-                                    .attempt = 2}};
+                                    .attempt = 2,
+                                    .witness = {}}};
   for (const char* words : {"confidence 1 - 0.0001", "attempt 2", "250000", "seed 4", "epsilon = 0.0001",
                             "does not prove that every motion is safe"})
     EXPECT_TRUE(says(record, words)) << words << ": " << guarantee_statement(record);
