@@ -113,4 +113,19 @@ Points RegionSampler::sample(std::size_t count, RandomStream& random) const {
   return samples;
 }
 
+std::optional<RegionSampler> sampler_of(const RegionPtr& region, const Box& within) {
+  if (!region) return std::nullopt;
+  RegionSampler sampler(region, within);
+  if (sampler.empty()) return std::nullopt;
+  return sampler;
+}
+
+Points uniform_points(const Box& box, std::int64_t count, RandomStream& random) {
+  Points x(count, box.dimension());
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    for (Eigen::Index k = 0; k < x.cols(); ++k) x(i, k) = random.uniform(box.lower[k], box.upper[k]);
+  }
+  return x;
+}
+
 }  // namespace s2nnds

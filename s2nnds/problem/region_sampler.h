@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "s2nnds/core/random.h"
@@ -34,5 +36,11 @@ class RegionSampler {
   double volume_inside_ = 0.0;
   double volume_cover_ = 0.0;
 };
+
+// A sampler of the region; none for no region, and for one that is empty within the box.
+std::optional<RegionSampler> sampler_of(const RegionPtr& region, const Box& within);
+
+// i.i.d. uniform points of a finite box: [count, n].
+Points uniform_points(const Box& box, std::int64_t count, RandomStream& random);
 
 }  // namespace s2nnds

@@ -68,13 +68,6 @@ void append(Points& pool, const Points& more, std::int64_t additions, std::int64
   pool = all.bottomRows(kept).eval();
 }
 
-std::optional<RegionSampler> sampler_of(const RegionPtr& region, const Box& within) {
-  if (!region) return std::nullopt;
-  RegionSampler sampler(region, within);
-  if (sampler.empty()) return std::nullopt;
-  return sampler;
-}
-
 }  // namespace
 
 BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
@@ -110,13 +103,7 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
 }
 
 Points BatchSampler::uniform(std::int64_t count, RandomStream& random) const {
-  Points x(count, problem_.dimension());
-  for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    for (Eigen::Index k = 0; k < x.cols(); ++k) {
-      x(i, k) = random.uniform(problem_.workspace.lower[k], problem_.workspace.upper[k]);
-    }
-  }
-  return x;
+  return uniform_points(problem_.workspace, count, random);
 }
 
 Points BatchSampler::draw_workspace(RandomStream& random) const {

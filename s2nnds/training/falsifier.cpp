@@ -10,19 +10,9 @@ namespace {
 std::vector<RegionSampler> sample_regions(const SafetyProblem& problem) {
   std::vector<RegionSampler> samplers;
   for (const RegionPtr& region : {problem.initial, problem.unsafe, problem.shell}) {
-    if (!region) continue;
-    RegionSampler sampler(region, problem.workspace);
-    if (!sampler.empty()) samplers.push_back(std::move(sampler));
+    if (auto sampler = sampler_of(region, problem.workspace)) samplers.push_back(std::move(*sampler));
   }
   return samplers;
-}
-
-Points uniform(const Box& box, std::int64_t count, RandomStream& random) {
-  Points x(count, box.dimension());
-  for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    for (Eigen::Index k = 0; k < x.cols(); ++k) x(i, k) = random.uniform(box.lower[k], box.upper[k]);
-  }
-  return x;
 }
 
 Points append(const Points& a, const Points& b) {
@@ -33,7 +23,7 @@ Points append(const Points& a, const Points& b) {
 
 Points all_samples(const SafetyProblem& problem, const std::vector<RegionSampler>& samplers,
                    std::int64_t count, RandomStream& random) {
-  Points x = uniform(problem.workspace, count, random);
+  Points x = uniform_points(problem.workspace, count, random);
   for (const RegionSampler& sampler : samplers)
     x = append(x, sampler.sample(std::max<std::int64_t>(1, count / 10), random));
   return x;

@@ -28,7 +28,7 @@ class LevelChoice {
   std::optional<double> largest(const Networks& networks, RandomStream& random) const;
 
  private:
-  SafetyProblem problem_;
+  Box workspace_;
   LevelOptions options_;
   std::optional<RegionSampler> initial_;
   std::vector<RegionSampler> outside_;  // Xu and the shell

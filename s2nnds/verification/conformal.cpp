@@ -37,14 +37,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-Points sample_box(const Box& box, std::int64_t count, RandomStream& random) {
-  Points x(count, box.dimension());
-  for (Eigen::Index i = 0; i < x.rows(); ++i) {
-    for (Eigen::Index k = 0; k < x.cols(); ++k) x(i, k) = random.uniform(box.lower[k], box.upper[k]);
-  }
-  return x;
-}
-
 const RegionPtr* region_of(Condition condition, const SafetyProblem& problem) {
   switch (condition) {
     case Condition::initial:
@@ -97,7 +89,7 @@ Vector calibration_scores(Condition condition, const Networks& networks, const S
   if (const RegionPtr* region = region_of(condition, problem)) {
     return scores_in(*region, condition, networks, problem, band, count, random);
   }
-  return residual(condition, networks, problem, band, sample_box(problem.workspace, count, random));
+  return residual(condition, networks, problem, band, uniform_points(problem.workspace, count, random));
 }
 
 // Counts `scores` into the verdict; a score that is not a number is the worst there is.
@@ -223,7 +215,7 @@ std::vector<ConditionVerdict> verify_sampled(const Networks& networks, const Saf
   const auto begin = std::chrono::steady_clock::now();
   RandomStream random(seed, "sampled/workspace");
   const Points everywhere =
-      residuals(networks, problem, band, sample_box(problem.workspace, options.samples, random));
+      residuals(networks, problem, band, uniform_points(problem.workspace, options.samples, random));
   const double shared_seconds = seconds_since(begin);
   std::vector<ConditionVerdict> verdicts;
   for (const Condition condition : conditions_to_check(problem)) {
