@@ -25,12 +25,14 @@ struct Level {
         upper(std::move(high)),
         status(static_cast<std::size_t>(lower.rows()), BoxStatus::undecided),
         witness(Points::Zero(lower.rows(), lower.cols())),
-        violation(Vector::Zero(lower.rows())) {}
+        violation(Vector::Zero(lower.rows())),
+        cuts(static_cast<std::size_t>(lower.rows()), 1) {}
 
   Points lower, upper;
   std::vector<BoxStatus> status;
   Points witness;
   Vector violation;
+  std::vector<std::int32_t> cuts;
 };
 
 // Boxes that stay open, and the witnesses among them.
@@ -42,6 +44,7 @@ class OpenBoxes {
     refuted_ += refuted;
   }
   std::int64_t refuted() const { return refuted_; }
+  std::int64_t others() const { return static_cast<std::int64_t>(boxes_.size()) - refuted_; }
 
   void report(std::int64_t kept, BranchResult& result) {
     const Eigen::Index n = result.open_lower.cols();
@@ -87,8 +90,8 @@ std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& ex
   parallel_for(batches, [&](Eigen::Index b, int worker) {
     if (stop) return;
     const Eigen::Index first = b * batch_boxes;
-    BoxBatch batch = {level.lower,  level.upper,   first,          std::min(batch_boxes, count - first),
-                      level.status, level.witness, level.violation};
+    BoxBatch batch = {level.lower,  level.upper,   first,           std::min(batch_boxes, count - first),
+                      level.status, level.witness, level.violation, level.cuts};
     examiners.at(static_cast<std::size_t>(worker))->examine(batch);
     examined += batch.count;
     if (seconds_since(start) > seconds_left) stop = true;
@@ -96,19 +99,34 @@ std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& ex
   return examined;
 }
 
-// Both halves of the undecided boxes.
-Level bisect(const Level& level, const std::vector<Eigen::Index>& rows) {
-  const Eigen::Index n = level.lower.cols(), count = static_cast<Eigen::Index>(rows.size());
-  Points lower(2 * count, n), upper(2 * count, n);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index row = rows[static_cast<std::size_t>(i)];
-    Eigen::Index axis = 0;
-    (level.upper.row(row) - level.lower.row(row)).maxCoeff(&axis);
-    lower.middleRows(2 * i, 2).rowwise() = level.lower.row(row);
-    upper.middleRows(2 * i, 2).rowwise() = level.upper.row(row);
-    const double middle = 0.5 * level.lower(row, axis) + 0.5 * level.upper(row, axis);
-    upper(2 * i, axis) = middle;
-    lower(2 * i + 1, axis) = middle;
+// Halves the box in these rows, and its halves, `cuts` times; the parts take the rows first, ..., first +
+// 2^cuts - 1.
+void bisect(Points& lower, Points& upper, Eigen::Index first, std::int32_t cuts) {
+  if (cuts == 0) return;
+  Eigen::Index axis = 0;
+  (upper.row(first) - lower.row(first)).maxCoeff(&axis);
+  const double middle = 0.5 * lower(first, axis) + 0.5 * upper(first, axis);
+  const Eigen::Index second = first + (Eigen::Index(1) << (cuts - 1));
+  lower.row(second) = lower.row(first);
+  upper.row(second) = upper.row(first);
+  upper(first, axis) = middle;
+  lower(second, axis) = middle;
+  bisect(lower, upper, first, cuts - 1);
+  bisect(lower, upper, second, cuts - 1);
+}
+
+// The parts of the undecided boxes.
+Level next_level(const Level& level, const std::vector<Eigen::Index>& rows) {
+  Eigen::Index count = 0;
+  for (Eigen::Index row : rows) count += Eigen::Index(1) << level.cuts[static_cast<std::size_t>(row)];
+  Points lower(count, level.lower.cols()), upper(count, level.lower.cols());
+  Eigen::Index first = 0;
+  for (Eigen::Index row : rows) {
+    const std::int32_t cuts = level.cuts[static_cast<std::size_t>(row)];
+    lower.row(first) = level.lower.row(row);
+    upper.row(first) = level.upper.row(row);
+    bisect(lower, upper, first, cuts);
+    first += Eigen::Index(1) << cuts;
   }
   return Level(std::move(lower), std::move(upper));
 }
@@ -134,13 +152,17 @@ BranchResult branch_and_bound(Points lower, Points upper,
   for (std::int64_t depth = 0; level.lower.rows() > 0; ++depth) {
     const double left = limits.max_seconds - seconds_since(start);
     const bool stop = depth > limits.max_depth || result.boxes + level.lower.rows() > limits.max_boxes ||
-                      open.refuted() >= limits.max_refuted || !(left > 0.0);
+                      open.refuted() >= limits.max_refuted || open.others() >= limits.max_abandoned ||
+                      !(left > 0.0);
     result.stopped = result.stopped || stop;
     if (!stop) result.boxes += examine(level, examiners, left);
     std::vector<Eigen::Index> undecided;
     for (Eigen::Index row = 0; row < level.lower.rows(); ++row) {
       const BoxStatus status = level.status[static_cast<std::size_t>(row)];
-      if (status == BoxStatus::undecided && !stop) undecided.push_back(row);
+      if (status == BoxStatus::undecided && !stop) {
+        check(level.cuts[static_cast<std::size_t>(row)] >= 1, "branch and bound: expected at least one cut");
+        undecided.push_back(row);
+      }
       if (status == BoxStatus::refuted || status == BoxStatus::abandoned ||
           (status == BoxStatus::undecided && stop)) {
         open.add(level, row, status == BoxStatus::refuted);
@@ -150,7 +172,7 @@ BranchResult branch_and_bound(Points lower, Points upper,
       progress({result.boxes, static_cast<std::int64_t>(undecided.size()), open.refuted(), depth,
                 seconds_since(start)});
     }
-    level = bisect(level, undecided);
+    level = next_level(level, undecided);
   }
   open.report(limits.kept_boxes, result);
   result.proved = result.open_boxes == 0;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -11,9 +12,10 @@ namespace s2nnds {
 
 struct BranchLimits {
   std::int64_t max_boxes = 4000000;  // examined
-  std::int64_t max_depth = 100;      // bisections of a starting box
+  std::int64_t max_depth = 100;      // levels examined
   std::int64_t max_refuted = 2000;   // stop once so many boxes hold a certain violation
-  std::int64_t kept_boxes = 10000;   // open boxes that are returned
+  std::int64_t max_abandoned = std::numeric_limits<std::int64_t>::max();  // the same for abandoned boxes
+  std::int64_t kept_boxes = 10000;                                        // open boxes that are returned
   double max_seconds = 600.0;
 };
 
@@ -30,6 +32,9 @@ struct BoxBatch {
   std::vector<BoxStatus>& status;  // [N]
   Points& witness;                 // [N, n] where refuted
   Vector& violation;               // [N] by how much, where refuted
+  // [N] how often to bisect where undecided, at least 1: more than once where the halves are hopeless as
+  // well, since looking at them would cost as much as looking at what can be proved.
+  std::vector<std::int32_t>& cuts;
 };
 
 // Decides the statement in question on boxes. Used by one thread only.
@@ -57,8 +62,8 @@ struct BranchProgress {
 };
 
 // Proves a statement on every box of the start [N, n] by examining boxes and bisecting the widest side of
-// those that stay undecided, level by level and in fixed batches, so that the result does not depend on the
-// number of threads (unless the time limit strikes).
+// those that stay undecided (as often as the examiner says), level by level and in fixed batches, so that the
+// result does not depend on the number of threads (unless the time limit strikes).
 BranchResult branch_and_bound(Points lower, Points upper,
                               const std::function<std::unique_ptr<BoxExaminer>()>& examiner,
                               const BranchLimits& limits,

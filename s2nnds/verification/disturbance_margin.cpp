@@ -4,7 +4,9 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <optional>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/verification/network_function.h"
@@ -49,16 +51,15 @@ class TileExaminer : public BoxExaminer {
         const Eigen::Index row = batch.first + first + lane;
         const Eigen::RowVectorXd lower = batch.lower.row(row), upper = batch.upper.row(row);
         const bool narrow = (upper - lower).maxCoeff() <= resolution_;
-        batch.status[static_cast<std::size_t>(row)] =
-            judge(lane, lower.cwiseAbs().cwiseMax(upper.cwiseAbs()).norm() * (1.0 + 1e-13), narrow);
+        batch.status[static_cast<std::size_t>(row)] = judge(lane, lower, upper, narrow);
       }
     }
   }
 
  protected:
   virtual void evaluate() = 0;
-  // `reach`: the largest |x|_2 of the box.
-  virtual BoxStatus judge(Eigen::Index lane, double reach, bool narrow) = 0;
+  virtual BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd& lower, const Eigen::RowVectorXd& upper,
+                          bool narrow) = 0;
 
   ScalarEnclosure barrier_, lyapunov_;
   BoxTile tile_;
@@ -67,38 +68,62 @@ class TileExaminer : public BoxExaminer {
   double resolution_;
 };
 
-// Bdot + delta |grad B| < 0 wherever B = 0.
+// Boxes that {B = 0} may meet, with bounds that hold on each: Bdot <= rate and |grad B|_2 <= gradient.
+// Together with boxes that {B = 0} does not meet they cover the workspace.
+struct LevelSetCover {
+  struct Member {
+    Eigen::RowVectorXd lower, upper;
+    double rate, gradient;
+
+    bool withstands(double disturbance) const {
+      return rate + disturbance * gradient * (1.0 + 1e-13) < -1e-300;
+    }
+  };
+  std::vector<Member> members;
+  double weakest = -infinity;  // largest -(allowed disturbance) at the members' centres
+};
+
+// Bdot + delta |grad B| < 0 wherever B = 0. Boxes that are proved join the examiner's own part of the cover.
 class BarrierExaminer final : public TileExaminer {
  public:
-  // `weakest` is raised to the largest -(allowed disturbance) at the centres of boxes that {B = 0} may meet.
   BarrierExaminer(const ProofFunctions& functions, double resolution, double disturbance,
-                  std::atomic<double>& weakest)
-      : TileExaminer(functions, resolution), disturbance_(disturbance), weakest_(weakest) {}
+                  LevelSetCover& cover)
+      : TileExaminer(functions, resolution), disturbance_(disturbance), cover_(cover) {}
 
  private:
   void evaluate() override {
     const TileForm& value = barrier_.value(tile_);
-    low_ = value.lower(tile_);
-    high_ = value.upper(tile_);
-    meets_ = !((low_ > 0.0) || (high_ < 0.0));
+    meets_ = !((value.lower(tile_) > 0.0) || (value.upper(tile_) < 0.0));
     if (!meets_.any()) return;
     const TileForm& rate = barrier_.lie_derivative(tile_);
     rate_ = rate.upper(tile_);
     center_rate_ = rate.value;
-    gradient_ = gradient_norm(barrier_, tile_);
+    gradient_.setConstant(infinity);
+    if ((meets_ && rate_ < 0.0).any()) gradient_ = gradient_norm(barrier_, tile_);
   }
-  BoxStatus judge(Eigen::Index lane, double, bool narrow) override {
+  BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd& lower, const Eigen::RowVectorXd& upper,
+                  bool narrow) override {
     if (!meets_(lane)) return BoxStatus::proved;
-    if (rate_(lane) + disturbance_ * gradient_(lane) * (1.0 + 1e-13) < -1e-300) {
-      raise_to(weakest_, center_rate_(lane) / gradient_(lane));
-      return BoxStatus::proved;
+    LevelSetCover::Member member = {lower, upper, rate_(lane), gradient_(lane)};
+    if (!member.withstands(disturbance_)) {
+      return narrow || is_hopeless(lane) ? BoxStatus::abandoned : BoxStatus::undecided;
     }
-    return narrow ? BoxStatus::abandoned : BoxStatus::undecided;
+    cover_.weakest = std::max(cover_.weakest, center_rate_(lane) / gradient_(lane));
+    cover_.members.push_back(std::move(member));
+    return BoxStatus::proved;
+  }
+
+  // Where the rate hardly varies and fails by more than that, parts of the box will fail too, unless {B = 0}
+  // happens to miss them. Giving up too early only costs margin.
+  bool is_hopeless(Eigen::Index lane) const {
+    constexpr double small = 0.03;
+    return rate_(lane) - center_rate_(lane) < small * std::abs(center_rate_(lane)) &&
+           center_rate_(lane) + (1.0 - small) * disturbance_ * gradient_(lane) > 0.0;
   }
 
   double disturbance_;
-  std::atomic<double>& weakest_;
-  TileRow low_, high_, rate_, center_rate_, gradient_;
+  LevelSetCover& cover_;
+  TileRow rate_, center_rate_, gradient_;
   Eigen::Array<bool, tile_boxes, 1> meets_;
 };
 
@@ -114,10 +139,12 @@ class DescentExaminer final : public TileExaminer {
     outside_ = barrier_.value(tile_).lower(tile_) > 0.0;
     if (outside_.all()) return;
     rate_ = lyapunov_.lie_derivative(tile_).upper(tile_);
-    rate_ += disturbance_ * gradient_norm(lyapunov_, tile_) * (1.0 + 1e-13);
+    if ((!outside_ && rate_ < 0.0).any())
+      rate_ += disturbance_ * gradient_norm(lyapunov_, tile_) * (1.0 + 1e-13);
     value_ = lyapunov_.value(tile_).upper(tile_);
   }
-  BoxStatus judge(Eigen::Index lane, double, bool narrow) override {
+  BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd&, const Eigen::RowVectorXd&,
+                  bool narrow) override {
     if (outside_(lane) || rate_(lane) < -1e-300 || value_(lane) <= level_) return BoxStatus::proved;
     if (!narrow) return BoxStatus::undecided;
     raise_to(level_, std::isnan(value_(lane)) ? infinity : value_(lane));
@@ -145,7 +172,9 @@ class SublevelExaminer final : public TileExaminer {
     outside_ = outside_ || value.lower(tile_) > level_;
     inside_ = value.upper(tile_) <= level_;
   }
-  BoxStatus judge(Eigen::Index lane, double reach, bool narrow) override {
+  BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd& lower, const Eigen::RowVectorXd& upper,
+                  bool narrow) override {
+    const double reach = lower.cwiseAbs().cwiseMax(upper.cwiseAbs()).norm() * (1.0 + 1e-13);
     if (outside_(lane) || reach <= radius_) return BoxStatus::proved;
     if (!inside_(lane) && !narrow) return BoxStatus::undecided;
     raise_to(radius_, reach);
@@ -162,22 +191,42 @@ class Search {
   Search(const ProofFunctions& functions, const SafetyProblem& problem, const DisturbanceOptions& options)
       : functions_(functions), problem_(problem), options_(options) {
     limits_.max_boxes = options.max_boxes;
+    limits_.max_abandoned = 1;  // one box that fails is enough
     limits_.kept_boxes = 0;
   }
 
-  // Whether the barrier withstands the disturbance; `weakest` as in BarrierExaminer.
-  bool withstands(double disturbance, std::atomic<double>& weakest) {
-    const double resolution = options_.resolution * width();
-    return run([&] {
-             return std::make_unique<BarrierExaminer>(functions_, resolution, disturbance, weakest);
-           })
-        .proved;
+  // Whether the barrier withstands the disturbance. If so, the cover does; it can only become finer.
+  bool withstands(double disturbance, LevelSetCover& cover) {
+    std::vector<LevelSetCover::Member> kept, open;
+    for (LevelSetCover::Member& member : cover.members) {
+      (member.withstands(disturbance) ? kept : open).push_back(member);
+    }
+    Points lower(open.size(), problem_.dimension()), upper = lower;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      lower.row(static_cast<Eigen::Index>(i)) = open[i].lower;
+      upper.row(static_cast<Eigen::Index>(i)) = open[i].upper;
+    }
+    LevelSetCover parts;
+    if (!refine(std::move(lower), std::move(upper), disturbance, parts)) return false;
+    cover.members = std::move(kept);
+    cover.members.insert(cover.members.end(), parts.members.begin(), parts.members.end());
+    cover.weakest = std::max(cover.weakest, parts.weakest);
+    return true;
+  }
+
+  // A cover on which Bdot < 0; none if that cannot be shown.
+  std::optional<LevelSetCover> cover() {
+    LevelSetCover found;
+    const Box& workspace = problem_.workspace;
+    if (!refine(workspace.lower.transpose(), workspace.upper.transpose(), 0.0, found)) return std::nullopt;
+    return found;
   }
 
   void limit_boxes(std::int64_t boxes) { limits_.max_boxes = std::min(options_.max_boxes, boxes); }
 
   double radius(double disturbance) {
     limits_.max_boxes = options_.max_boxes;
+    limits_.max_abandoned = std::numeric_limits<std::int64_t>::max();
     const double resolution = options_.radius_resolution * width();
     std::atomic<double> level = 0.0, radius = 0.0;
     const BranchResult descent =
@@ -199,15 +248,33 @@ class Search {
  private:
   double width() const { return (problem_.workspace.upper - problem_.workspace.lower).maxCoeff(); }
 
+  bool refine(Points lower, Points upper, double disturbance, LevelSetCover& cover) {
+    const double resolution = options_.resolution * width();
+    std::deque<LevelSetCover> parts;  // one an examiner, that is one a thread
+    const BranchResult result = run(std::move(lower), std::move(upper), [&] {
+      return std::make_unique<BarrierExaminer>(functions_, resolution, disturbance, parts.emplace_back());
+    });
+    for (LevelSetCover& part : parts) {
+      cover.members.insert(cover.members.end(), part.members.begin(), part.members.end());
+      cover.weakest = std::max(cover.weakest, part.weakest);
+    }
+    return result.proved;
+  }
+
   template <typename Factory>
-  BranchResult run(const Factory& factory) {
+  BranchResult run(Points lower, Points upper, const Factory& factory) {
     limits_.max_seconds = options_.max_seconds - seconds();
     const BranchResult result = branch_and_bound(
-        problem_.workspace.lower.transpose(), problem_.workspace.upper.transpose(),
-        [&]() -> std::unique_ptr<BoxExaminer> { return factory(); }, limits_);
+        std::move(lower), std::move(upper), [&]() -> std::unique_ptr<BoxExaminer> { return factory(); },
+        limits_);
     boxes_ += result.boxes;
     return result;
   }
+  template <typename Factory>
+  BranchResult run(const Factory& factory) {
+    return run(problem_.workspace.lower.transpose(), problem_.workspace.upper.transpose(), factory);
+  }
+
   const ProofFunctions& functions_;
   const SafetyProblem& problem_;
   DisturbanceOptions options_;
@@ -249,19 +316,19 @@ DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const Safe
   validate(options);
   Search search(functions, problem, options);
   DisturbanceMargin result;
-  std::atomic<double> weakest = -infinity;
-  if (search.withstands(0.0, weakest) && std::isfinite(weakest)) {
-    // A step that succeeds takes little more than this one; one that fails would go on to the limit.
+  std::optional<LevelSetCover> cover = search.cover();
+  if (cover && std::isfinite(cover->weakest)) {
+    // Steps start from the cover; one that fails would go on to the limit.
     search.limit_boxes(2 * search.boxes() + kSpareBoxes);
     // The centres' ratios say where to look; what counts is what each step proves.
-    double low = 0.0, high = -1.2 * weakest;
-    while (high < 1e9 && !search.out_of_time() && search.withstands(high, weakest)) {
+    double low = 0.0, high = -1.2 * cover->weakest;
+    while (high < 1e9 && !search.out_of_time() && search.withstands(high, *cover)) {
       low = high;
       high *= 1.5;
     }
     while (high - low > options.tolerance * high && high > 1e-9 && !search.out_of_time()) {
       const double middle = 0.5 * (low + high);
-      (search.withstands(middle, weakest) ? low : high) = middle;
+      (search.withstands(middle, *cover) ? low : high) = middle;
     }
     result.margin = low;
   }

@@ -16,12 +16,12 @@ double sum_rounding(Eigen::Index terms) { return 2.0 * (static_cast<double>(term
 
 double* data(std::vector<TileRow>& rows) { return rows.front().data(); }
 
-// y = (accumulate ? y : 0) + W x for rows of tiles: x [in, columns, T], y [out, columns, T].
-void multiply(const Points& weight, const std::vector<TileRow>& x, Eigen::Index columns, bool accumulate,
+// y = W x for rows of tiles: x [in, columns, T], y [out, columns, T].
+void multiply(const Points& weight, const std::vector<TileRow>& x, Eigen::Index columns,
               std::vector<TileRow>& y) {
   const std::ptrdiff_t stride = columns * tile_boxes;
   dense_kernels<double>().multiply(weight.rows(), stride, weight.cols(), weight.data(), weight.cols(), 1,
-                                   x.front().data(), stride, y.front().data(), stride, accumulate);
+                                   x.front().data(), stride, y.front().data(), stride, false);
 }
 // x = W' y.
 void multiply_transposed(const Points& weight, const std::vector<TileRow>& y, Eigen::Index columns,
@@ -38,6 +38,60 @@ void add_product(const TileRow& weight, const TileRow* p, const TileRow* q, Eige
     for (Eigen::Index e = d; e < n; ++e) form.hessian[at++] += weight * (p[d] * q[e] + q[d] * p[e]);
   }
 }
+
+// sum_k (p_k . dx) (dx' Q_k dx), the size of which is taken after the sum: terms of both signs cancel.
+class CubicForm {
+ public:
+  explicit CubicForm(Eigen::Index n) : dimension_(n), terms_(n * triangle(n)), magnitudes_(terms_.size()) {}
+
+  // Adds weight (p . dx) (dx' Q dx) for p [n] and the upper triangle of Q.
+  void add(double weight, const TileRow* p, const TileRow* q) {
+    TileRow* term = terms_.data();
+    TileRow* size = magnitudes_.data();
+    for (Eigen::Index d = 0; d < dimension_; ++d) {
+      for (Eigen::Index at = 0; at < triangle(dimension_); ++at, ++term, ++size) {
+        const TileRow product = weight * p[d] * q[at];
+        *term += product;
+        *size += product.abs();
+      }
+    }
+    ++count_;
+  }
+
+  TileRow size(const BoxTile& tile) const {
+    // Monomials dx_d dx_e dx_g, e <= g, that differ in order alone are one.
+    TileRow sum;
+    for (Eigen::Index a = 0; a < dimension_; ++a) {
+      for (Eigen::Index b = a; b < dimension_; ++b) {
+        for (Eigen::Index c = b; c < dimension_; ++c) {
+          TileRow coefficient = at(terms_, a, b, c), magnitude = at(magnitudes_, a, b, c);
+          if (a != b) {
+            coefficient += at(terms_, b, a, c);
+            magnitude += at(magnitudes_, b, a, c);
+          }
+          if (b != c) {
+            coefficient += at(terms_, c, a, b);
+            magnitude += at(magnitudes_, c, a, b);
+          }
+          const double rounding = 4.0 * (count_ + 4.0) * unit_roundoff;
+          sum += (coefficient.abs() + rounding * magnitude) * tile.half[a] * tile.half[b] * tile.half[c];
+        }
+      }
+    }
+    return sum * slack;
+  }
+
+ private:
+  // The term dx_d (Q_eg + Q_ge) dx_e dx_g / 2 of the symmetric Q, doubled for e != g, with e <= g.
+  TileRow at(const std::vector<TileRow>& rows, Eigen::Index d, Eigen::Index e, Eigen::Index g) const {
+    const Eigen::Index entry = e * dimension_ - e * (e - 1) / 2 + g - e;
+    return (e == g ? 1.0 : 2.0) * rows[d * triangle(dimension_) + entry];
+  }
+
+  Eigen::Index dimension_;
+  std::vector<TileRow> terms_, magnitudes_;  // [n, n (n + 1) / 2]
+  double count_ = 0.0;
+};
 
 }  // namespace
 
@@ -79,14 +133,14 @@ NetworkFunction::NetworkFunction(const LayerStack& stack) : stack_(stack) {
   Memory& memory = static_cast<Memory&>(*scratch);
   forward(origin, nullptr, memory);
   for (Eigen::Index i = 0; i < m; ++i) {
-    offset_(i) = memory.a[i * (1 + n)](0);
+    offset_(i) = memory.a[i * columns()](0);
     offset_error_(i) = memory.a_remainder[i](0) * slack;
   }
 }
 
 std::unique_ptr<TaylorFunction::Workspace> NetworkFunction::workspace() const {
   auto memory = std::make_unique<Memory>();
-  const std::size_t block = 2 * (1 + static_cast<std::size_t>(input_dimension()));
+  const std::size_t block = 2 * static_cast<std::size_t>(columns());
   std::size_t widest = static_cast<std::size_t>(input_dimension());
   for (const AffineMap& map : maps_) {
     const std::size_t width = static_cast<std::size_t>(map.weight.rows());
@@ -128,7 +182,8 @@ LayerTile NetworkFunction::layer_tile(const BoxTile& tile, std::size_t k, Memory
 }
 
 void NetworkFunction::forward(const BoxTile& tile, const TileModels* direction, Memory& memory) const {
-  const Eigen::Index n = input_dimension(), streams = direction != nullptr ? 2 : 1, block = streams * (1 + n);
+  const Eigen::Index n = input_dimension(), streams = direction != nullptr ? 2 : 1,
+                     block = streams * columns();
   memory.streams = streams;
   memory.magnitude_out[0].setZero();
   memory.magnitude_out[1].setZero();
@@ -140,20 +195,20 @@ void NetworkFunction::forward(const BoxTile& tile, const TileModels* direction, 
     memory.a_remainder[d * streams].setZero();
     memory.magnitude_out[0] = memory.magnitude_out[0].max((tile.center[d].abs() + tile.half[d]) * slack);
     if (direction == nullptr) continue;
-    std::copy(&direction->value(d), &direction->value(d) + 1 + n, row + 1 + n);
+    std::copy_n(&direction->value(d), columns(), row + columns());
     memory.a_remainder[d * streams + 1] = direction->remainder[d];
-    memory.magnitude_out[1] =
-        memory.magnitude_out[1].max((direction->value(d).abs() + direction->spread(d, tile)) * slack);
+    const TileRow size =
+        direction->value(d).abs() + direction->spread(d, tile) + direction->deviation(d, tile);
+    memory.magnitude_out[1] = memory.magnitude_out[1].max(size * slack);
   }
   for (std::size_t k = 0; k < maps_.size(); ++k) {
     Memory::LayerMemory& layer = memory.layers[k];
     layer.magnitude_in[0] = memory.magnitude_out[0];
     layer.magnitude_in[1] = memory.magnitude_out[1];
     const Eigen::Index width = maps_[k].weight.rows();
-    std::fill(layer.z.begin(), layer.z.begin() + width * block, TileRow());
-    for (Eigen::Index i = 0; i < width; ++i) layer.z[i * block].setConstant(maps_[k].bias(i));
-    multiply(maps_[k].weight, memory.a, block, true, layer.z);
-    multiply(maps_[k].magnitude, memory.a_remainder, streams, false, layer.z_remainder);
+    multiply(maps_[k].weight, memory.a, block, layer.z);
+    multiply(maps_[k].magnitude, memory.a_remainder, streams, layer.z_remainder);
+    for (Eigen::Index i = 0; i < width; ++i) layer.z[i * block] += maps_[k].bias(i);
     taylor_kernels().activate(layer_tile(tile, k, memory));
   }
 }
@@ -178,7 +233,7 @@ void NetworkFunction::backward(const BoxTile& tile, Memory& memory, std::vector<
 
 // N(x) - N(0) in the value stream; the error of the subtraction, N(0)'s included, goes to offset_error.
 void NetworkFunction::subtract_offset(Memory& memory) const {
-  const Eigen::Index block = memory.streams * (1 + input_dimension());
+  const Eigen::Index block = memory.streams * columns();
   for (Eigen::Index i = 0; i < maps_.back().weight.rows(); ++i) {
     TileRow& value = memory.a[i * block];
     const double rounding = stack_.head == Head::plain ? 0.0 : 4.0 * unit_roundoff;
@@ -223,23 +278,24 @@ void NetworkFunction::add_value(const BoxTile& tile, Workspace& workspace, TileF
   backward(tile, memory, nullptr, q);
 }
 
-// |u|^2 + quadratic |x|^2, u = u0 + slope . dx + du: 2 u0 du is left to the backward sweep.
+// |u|^2 + quadratic |x|^2, u = u0 + slope . dx + du: 2 u0 du is left to the backward sweep, and of the rest
+// 2 (slope . dx) du the quadratic part of du is summed over all outputs before its size is taken.
 void NetworkFunction::add_norm(const BoxTile& tile, Memory& memory, TileForm& q) const {
   const Eigen::Index n = input_dimension();
+  CubicForm cubic(n);
   for (Eigen::Index i = 0; i < maps_.back().weight.rows(); ++i) {
-    const TileRow* slope = &memory.a[i * (1 + n) + 1];
-    const TileRow u = memory.a[i * (1 + n)], r = memory.a_remainder[i];
-    TileRow spread;
-    for (Eigen::Index d = 0; d < n; ++d) {
-      q.gradient[d] += 2.0 * u * slope[d];
-      spread += slope[d].abs() * tile.half[d];
-    }
+    const TileRow *slope = &memory.a[i * columns() + 1], *hessian = slope + n;
+    const TileRow u = memory.a[i * columns()], r = memory.a_remainder[i];
+    const TileRow spread = linear_size(slope, tile), deviation = quadratic_size(hessian, tile) + r;
+    for (Eigen::Index d = 0; d < n; ++d) q.gradient[d] += 2.0 * u * slope[d];
     q.value += u.square();
     q.magnitude += (u.abs() + spread).square();
     add_product(TileRow(TileRow::Ones()), slope, slope, n, q);
-    q.remainder += r * (2.0 * spread + r) + 2.0 * u.abs() * memory.offset_error[i];
+    cubic.add(1.0, slope, hessian);
+    q.remainder += 2.0 * spread * r + deviation.square() + 2.0 * u.abs() * memory.offset_error[i];
     memory.adjoint_a[i] = 2.0 * u;
   }
+  q.remainder += cubic.size(tile);
   std::size_t at = 0;
   for (Eigen::Index d = 0; d < n; ++d) {
     q.value += stack_.quadratic * tile.center[d].square();
@@ -259,7 +315,7 @@ void NetworkFunction::add_derivative(const BoxTile& tile, Workspace& workspace, 
   forward(tile, &direction, memory);
   subtract_offset(memory);
   if (stack_.head == Head::squared_norm) return add_norm_rate(tile, direction, memory, adjoint, q);
-  const TileRow* rate = &memory.a[1 + n];
+  const TileRow* rate = &memory.a[columns()];
   q.value += rate[0];
   q.magnitude += rate[0].abs();
   for (Eigen::Index d = 0; d < n; ++d) {
@@ -274,29 +330,31 @@ void NetworkFunction::add_derivative(const BoxTile& tile, Workspace& workspace, 
 // 2 u . du/dt + 2 quadratic x . direction.
 void NetworkFunction::add_norm_rate(const BoxTile& tile, const TileModels& direction, Memory& memory,
                                     std::vector<TileRow>& adjoint, TileForm& q) const {
-  const Eigen::Index n = input_dimension(), block = 2 * (1 + n);
+  const Eigen::Index n = input_dimension(), block = 2 * columns();
   const double weight = 2.0 * stack_.quadratic;
+  CubicForm cubic(n);
   for (Eigen::Index i = 0; i < maps_.back().weight.rows(); ++i) {
-    const TileRow *slope = &memory.a[i * block + 1], *rate_slope = slope + 1 + n;
-    const TileRow u = memory.a[i * block], rate = memory.a[i * block + 1 + n];
+    const TileRow *slope = &memory.a[i * block + 1], *rate_slope = slope + columns();
+    const TileRow u = memory.a[i * block], rate = memory.a[i * block + columns()];
     const TileRow r = memory.a_remainder[2 * i], rate_r = memory.a_remainder[2 * i + 1];
-    TileRow spread, rate_spread;
-    for (Eigen::Index d = 0; d < n; ++d) {
-      q.gradient[d] += 2.0 * (u * rate_slope[d] + rate * slope[d]);
-      spread += slope[d].abs() * tile.half[d];
-      rate_spread += rate_slope[d].abs() * tile.half[d];
-    }
+    const TileRow spread = linear_size(slope, tile), rate_spread = linear_size(rate_slope, tile);
+    const TileRow deviation = quadratic_size(slope + n, tile) + r;
+    const TileRow rate_deviation = quadratic_size(rate_slope + n, tile) + rate_r;
+    for (Eigen::Index d = 0; d < n; ++d) q.gradient[d] += 2.0 * (u * rate_slope[d] + rate * slope[d]);
     q.value += 2.0 * u * rate;
     q.magnitude += 2.0 * (u.abs() + spread) * (rate.abs() + rate_spread);
     add_product(TileRow(TileRow::Constant(2.0)), slope, rate_slope, n, q);
-    q.remainder += 2.0 * (spread * rate_r + r * (rate_spread + rate_r) + rate.abs() * memory.offset_error[i]);
+    cubic.add(1.0, slope, rate_slope + n);
+    cubic.add(1.0, rate_slope, slope + n);
+    q.remainder += 2.0 * (spread * rate_r + r * rate_spread + deviation * rate_deviation +
+                          rate.abs() * memory.offset_error[i]);
     memory.adjoint_a[2 * i] = 2.0 * rate;
     memory.adjoint_a[2 * i + 1] = 2.0 * u;
   }
+  q.remainder += cubic.size(tile);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const TileRow &x = tile.center[i], &h = tile.half[i], &f = direction.value(i),
-                  &r = direction.remainder[i];
-    const TileRow spread = direction.spread(i, tile);
+    const TileRow &x = tile.center[i], &h = tile.half[i], &f = direction.value(i);
+    const TileRow r = direction.deviation(i, tile), spread = direction.spread(i, tile);
     q.value += weight * x * f;
     q.magnitude += weight * (x.abs() + h) * (f.abs() + spread);
     q.gradient[i] += weight * f;
@@ -315,7 +373,7 @@ void NetworkFunction::add_norm_rate(const BoxTile& tile, const TileModels& direc
 }
 
 IntervalMatrix NetworkFunction::jacobian(double half) const {
-  const Eigen::Index n = input_dimension(), m = maps_.back().weight.rows(), block = 2 * (1 + n);
+  const Eigen::Index n = input_dimension(), m = maps_.back().weight.rows(), block = 2 * columns();
   BoxTile cube(n);
   for (TileRow& row : cube.half) row.setConstant(half);
   const std::unique_ptr<Workspace> scratch = workspace();
@@ -326,9 +384,9 @@ IntervalMatrix NetworkFunction::jacobian(double half) const {
     direction.value(axis).setOnes();
     forward(cube, &direction, memory);
     for (Eigen::Index i = 0; i < m; ++i) {
-      const TileRow* rate = &memory.a[i * block + 1 + n];
-      double radius = memory.a_remainder[2 * i + 1](0);
-      for (Eigen::Index d = 0; d < n; ++d) radius += std::abs(rate[1 + d](0)) * half;
+      const TileRow* rate = &memory.a[i * block + columns()];
+      const double radius = memory.a_remainder[2 * i + 1](0) + linear_size(rate + 1, cube)(0) +
+                            quadratic_size(rate + 1 + n, cube)(0);
       result(i, axis) = Interval(rate[0](0)) + radius * slack * Interval(-1.0, 1.0);
     }
   }

@@ -34,6 +34,7 @@ class NetworkFunction final : public TaylorFunction {
     double remainder_growth = 1.0, adjoint_rounding = 0.0;
   };
 
+  Eigen::Index columns() const { return 1 + input_dimension() + triangle(input_dimension()); }
   void forward(const BoxTile& tile, const TileModels* direction, Memory& memory) const;
   // From the outputs' adjoints in memory down to the inputs; those of the second stream are left in
   // `direction`.

@@ -135,15 +135,8 @@ void PolynomialFunction::models(const BoxTile& tile, Workspace& workspace, TileM
     const auto at = static_cast<Eigen::Index>(i);
     y.value(at) = form.value;
     y.remainder[i] = form.remainder;
-    for (Eigen::Index d = 0; d < dimension_; ++d) {
-      y.slope(at)[d] = form.gradient[d];
-      for (Eigen::Index e = d; e < dimension_; ++e) {
-        const double weight = (d == e ? 0.5 : 1.0) * slack;
-        y.remainder[i] +=
-            weight * form.hessian[hessian_index(d, e, dimension_)].abs() * tile.half[d] * tile.half[e];
-      }
-    }
-    y.remainder[i] *= slack;
+    std::copy(form.gradient.begin(), form.gradient.end(), y.slope(at));
+    std::copy(form.hessian.begin(), form.hessian.end(), y.hessian(at));
   }
 }
 
@@ -194,7 +187,7 @@ void PolynomialFunction::add_derivative(const BoxTile& tile, Workspace& workspac
   for (Eigen::Index i = 0; i < dimension_; ++i) {
     TileForm& g = memory.gradient;
     expand(gradients_[static_cast<std::size_t>(i)], tile, memory, g);
-    const TileRow &value = direction.value(i), &r = direction.remainder[i];
+    const TileRow &value = direction.value(i), r = direction.deviation(i, tile);
     const TileRow* slope = direction.slope(i);
     const TileRow spread = direction.spread(i, tile);
     TileRow linear, quadratic;

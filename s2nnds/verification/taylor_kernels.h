@@ -8,7 +8,7 @@ namespace s2nnds {
 
 // Boxes are examined in tiles: every number of a Taylor model is a row of `tile_boxes` doubles, one a box, so
 // that all arithmetic runs over contiguous lanes.
-inline constexpr std::ptrdiff_t tile_boxes = 16;
+inline constexpr std::ptrdiff_t tile_boxes = 8;
 inline constexpr double unit_roundoff = 0x1p-53;
 
 // What an activation looks like on |z - z0| <= radius, T = tile_boxes lanes each, in exact arithmetic:
@@ -23,8 +23,8 @@ struct ActivationExpansion {
 };
 
 // One layer of a network on a tile of boxes |x - c| <= half. A stream is a quantity that the network carries
-// (the value; the value and its derivative along a direction); its model is value and n slopes, [1 + n, T],
-// and a remainder [T].
+// (the value; the value and its derivative along a direction); its second-order model is value, n slopes and
+// the upper triangle of the Hessian, C = 1 + n + n (n + 1) / 2 columns [C, T], and a remainder [T].
 struct LayerTile {
   std::ptrdiff_t width = 0;      // neurons
   std::ptrdiff_t dimension = 0;  // n
@@ -35,18 +35,20 @@ struct LayerTile {
   const double* bias_error = nullptr;    // [width]
   double remainder_growth = 1.0;         // 1 + the relative rounding of |W| r
   double adjoint_rounding = 0.0;         // relative rounding of a column of W' in the backward sweep
-  const double* magnitude_in = nullptr;  // [streams, T] largest |value| + |slopes| half among the inputs
+  const double* magnitude_in = nullptr;  // [streams, T] largest size of the model among the inputs
   double* magnitude_out = nullptr;       // [streams, T] the same of the outputs
-  double* z = nullptr;                   // [width, streams (1 + n), T] models before the activation
-  double* z_remainder = nullptr;  // [width, streams, T] in: |W| r; out: with all roundings of the affine map
-  double* a = nullptr;            // [width, streams (1 + n), T] models after the activation
+  double* z = nullptr;                   // [width, streams C, T] models before the activation
+  // [width, streams, T] in: |W| r; out: the deviation from the first-order model, quadratic terms, r and all
+  // roundings of the affine map together
+  double* z_remainder = nullptr;
+  double* a = nullptr;            // [width, streams C, T] models after the activation
   double* a_remainder = nullptr;  // [width, streams, T]
   double* expansion = nullptr;    // [width, 5, T] first, second, third, value_error, first_error
 };
 
 // The backward sweep through a layer: sum_k adjoint_k d_k, d_k the deviation of the k-th output from its
-// model, is expanded to second order in x - c with what it leaves added to `remainder`, and passed on to the
-// layer's inputs.
+// first-order model, is expanded to second order in x - c with what it leaves added to `remainder`, and
+// passed on to the layer's inputs.
 struct PullBackTile {
   const double* adjoint_a = nullptr;    // [width, streams, T]
   double* adjoint_z = nullptr;          // [width, streams, T] out

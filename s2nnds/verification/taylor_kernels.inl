@@ -60,10 +60,13 @@ inline void remainders(Lanes radius, Lanes scale, Lanes second_bound, Lanes thir
                        double first_spread, double second_spread, double third_spread, Expansion& e) {
   const Lanes square = radius * radius;
   const Lanes rounding = coefficient_error * scale * (1.0 + radius + square);
-  e.value_error = smaller(third_bound * radius * (1.0 / 6.0), all(0.5 * second_spread)) * square * slack + rounding;
+  e.value_error =
+      smaller(third_bound * radius * (1.0 / 6.0), all(0.5 * second_spread)) * square * slack + rounding;
   e.linear_error =
-      smaller(0.5 * second_bound * square, 0.5 * magnitude(e.second) * square + e.value_error) * slack + rounding;
-  e.first_error = smaller(fourth_bound * radius * (1.0 / 6.0), all(0.5 * third_spread)) * square * slack + rounding;
+      smaller(0.5 * second_bound * square, 0.5 * magnitude(e.second) * square + e.value_error) * slack +
+      rounding;
+  e.first_error =
+      smaller(fourth_bound * radius * (1.0 / 6.0), all(0.5 * third_spread)) * square * slack + rounding;
   // On wide ranges a plain line, and a plain number for sigma', are better.
   const Lanes line_rounding = coefficient_error * scale * (1.0 + radius);
   const Words wide = (radius > 0.5) & (first_spread * radius < e.linear_error);
@@ -130,7 +133,8 @@ inline Lanes tanh_of(Lanes z) {
 // On ranges so wide that tanh is better described by a number than by its tangent.
 inline void flatten_tanh(Lanes z0, Lanes radius, Expansion& e) {
   const Lanes low = tanh_of(z0 - radius), high = tanh_of(z0 + radius);
-  const Lanes reach = 0.5 * (high - low) + 0x1p-40;  // with the roundings of z0 -+ radius, as |tanh'| z is bounded
+  const Lanes reach =
+      0.5 * (high - low) + 0x1p-40;  // with the roundings of z0 -+ radius, as |tanh'| z is bounded
   const Words flat = reach < e.linear_error;
   const Lanes steepest = 1.0 - smaller(low * low, high * high) + 0x1p-40;
   e.value = flat ? 0.5 * (low + high) : e.value;
@@ -190,7 +194,8 @@ inline void expand_softplus(Lanes z0, Lanes radius, Expansion& e) {
   e.first = l.s;
   e.second = l.first;
   e.third = l.second;
-  remainders(radius, 1.0 + magnitude(z0), l.first_bound, l.second_bound, l.third_bound, 1.0, 0.2501, 0.1926, e);
+  remainders(radius, 1.0 + magnitude(z0), l.first_bound, l.second_bound, l.third_bound, 1.0, 0.2501, 0.1926,
+             e);
 }
 
 // z s(z); its k-th derivative is k s^(k-1) + z s^(k). Over the range: the value at z0 plus radius times a
@@ -312,66 +317,28 @@ inline Lanes spread(const double* slopes, const double* half, ptrdiff_t n) {
   return sum * slack;
 }
 
+// Above |dx' H dx / 2|, from the rows of H's upper triangle.
+inline Lanes quadratic_size(const double* hessian, const double* half, ptrdiff_t n) {
+  Lanes sum = all(0.0);
+  for (ptrdiff_t d = 0; d < n; ++d) {
+    Lanes row = 0.5 * magnitude(load(hessian)) * load(half + d * tile_boxes);
+    hessian += tile_boxes;
+    for (ptrdiff_t e = d + 1; e < n; ++e, hessian += tile_boxes)
+      row += magnitude(load(hessian)) * load(half + e * tile_boxes);
+    sum += row * load(half + d * tile_boxes);
+  }
+  return sum * slack;
+}
+
 // Completes the remainder of neuron i's stream with the roundings of the affine map.
 inline Lanes complete_remainder(const LayerTile& layer, ptrdiff_t i, ptrdiff_t stream, ptrdiff_t t) {
-  double* r = layer.z_remainder + (i * layer.streams + stream) * tile_boxes + t;
+  const double* r = layer.z_remainder + (i * layer.streams + stream) * tile_boxes + t;
   const Lanes rounding = layer.row_error[i] * load(layer.magnitude_in + stream * tile_boxes + t) +
                          (stream == 0 ? layer.bias_error[i] : 0.0);
-  const Lanes completed = (load(r) * layer.remainder_growth + rounding) * slack;
-  store(r, completed);
-  return completed;
+  return (load(r) * layer.remainder_growth + rounding) * slack;
 }
 
 constexpr double twice = 4.0 * unit_roundoff;  // relative error of two or three operations, with room
-
-void activate(const LayerTile& layer) {
-  const ptrdiff_t n = layer.dimension, block = (1 + n) * tile_boxes, row = layer.streams * block;
-  for (ptrdiff_t t = 0; t < tile_boxes; t += S2NNDS_TAYLOR_LANES) {
-    const double* half = layer.half + t;
-    Lanes largest = all(0.0), largest_rate = all(0.0);
-    for (ptrdiff_t i = 0; i < layer.width; ++i) {
-      const double* z = layer.z + i * row + t;
-      double* a = layer.a + i * row + t;
-      double* kept = layer.expansion + i * 5 * tile_boxes + t;
-      double* out_remainder = layer.a_remainder + i * layer.streams * tile_boxes + t;
-      const Lanes r = complete_remainder(layer, i, 0, t);
-      const Lanes linear = spread(z + tile_boxes, half, n), radius = (linear + r) * slack;
-      Expansion e;
-      expand_lanes(layer.activation, load(z), radius, e);
-      store(kept, e.first);
-      store(kept + tile_boxes, e.second);
-      store(kept + 2 * tile_boxes, e.third);
-      store(kept + 3 * tile_boxes, e.value_error);
-      store(kept + 4 * tile_boxes, e.first_error);
-      const Lanes first = magnitude(e.first), second = magnitude(e.second);
-      store(a, e.value);
-      for (ptrdiff_t d = 1; d <= n; ++d) store(a + d * tile_boxes, e.first * load(z + d * tile_boxes));
-      store(out_remainder, first * (r + twice * linear) + e.linear_error);
-      largest = larger(largest, magnitude(e.value) + first * linear);
-      if (layer.streams == 1) continue;
-
-      // p = sigma'(z) zdot about (z0, zdot0).
-      const double* rate = z + block;
-      const Lanes rate_r = complete_remainder(layer, i, 1, t);
-      const Lanes rate_linear = spread(rate + tile_boxes, half, n), rate_radius = rate_linear + rate_r;
-      const Lanes rate0 = load(rate), cross = e.second * rate0, cross_size = magnitude(cross);
-      store(a + block, e.first * rate0);
-      for (ptrdiff_t d = 1; d <= n; ++d) {
-        store(a + block + d * tile_boxes,
-              e.first * load(rate + d * tile_boxes) + cross * load(z + d * tile_boxes));
-      }
-      const Lanes rate_size = magnitude(rate0) + rate_radius;
-      const Lanes bend = 0.5 * magnitude(e.third) * radius * radius + e.first_error;
-      const Lanes rounding = twice * (first * (magnitude(rate0) + rate_linear) + cross_size * linear);
-      store(out_remainder + tile_boxes,
-            (first * rate_r + cross_size * r + second * radius * rate_radius + bend * rate_size + rounding) *
-                slack);
-      largest_rate = larger(largest_rate, first * rate_size + cross_size * linear);
-    }
-    store(layer.magnitude_out + t, largest * slack);
-    if (layer.streams == 2) store(layer.magnitude_out + tile_boxes + t, largest_rate * slack);
-  }
-}
 
 // hessian += weight (p q' + q p') / 2 over the upper triangle.
 inline void add_product(double* hessian, Lanes weight, const double* p, const double* q, ptrdiff_t n) {
@@ -391,8 +358,78 @@ inline void add_square(double* hessian, Lanes weight, const double* p, ptrdiff_t
   }
 }
 
+void activate(const LayerTile& layer) {
+  const ptrdiff_t n = layer.dimension, columns = 1 + n + n * (n + 1) / 2;
+  const ptrdiff_t block = columns * tile_boxes, row = layer.streams * block, hessian = (1 + n) * tile_boxes;
+  for (ptrdiff_t t = 0; t < tile_boxes; t += S2NNDS_TAYLOR_LANES) {
+    const double* half = layer.half + t;
+    Lanes largest = all(0.0), largest_rate = all(0.0);
+    for (ptrdiff_t i = 0; i < layer.width; ++i) {
+      const double* z = layer.z + i * row + t;
+      double* a = layer.a + i * row + t;
+      double* kept = layer.expansion + i * 5 * tile_boxes + t;
+      double* z_remainder = layer.z_remainder + i * layer.streams * tile_boxes + t;
+      double* out_remainder = layer.a_remainder + i * layer.streams * tile_boxes + t;
+      // z - z0 = linear + quadratic + r = linear + deviation, as sizes.
+      const Lanes r = complete_remainder(layer, i, 0, t);
+      const Lanes linear = spread(z + tile_boxes, half, n), quadratic = quadratic_size(z + hessian, half, n);
+      const Lanes deviation = (quadratic + r) * slack, radius = (linear + deviation) * slack;
+      const Lanes square_error = deviation * (linear + radius);  // of (z - z0)^2 against linear^2
+      store(z_remainder, deviation);
+      Expansion e;
+      expand_lanes(layer.activation, load(z), radius, e);
+      store(kept, e.first);
+      store(kept + tile_boxes, e.second);
+      store(kept + 2 * tile_boxes, e.third);
+      store(kept + 3 * tile_boxes, e.value_error);
+      store(kept + 4 * tile_boxes, e.first_error);
+      const Lanes first = magnitude(e.first), second = magnitude(e.second);
+      store(a, e.value);
+      for (ptrdiff_t d = 1; d < columns; ++d) store(a + d * tile_boxes, e.first * load(z + d * tile_boxes));
+      add_square(a + hessian, e.second, z + tile_boxes, n);
+      const Lanes bent = first * quadratic + 0.5 * second * linear * linear;
+      store(out_remainder, (first * r + 0.5 * second * square_error + e.value_error +
+                            twice * (first * linear + 2.0 * bent)) *
+                               slack);
+      largest = larger(largest, magnitude(e.value) + first * linear + bent);
+      if (layer.streams == 1) continue;
+
+      // p = sigma'(z) zdot about (z0, zdot0).
+      const double* rate = z + block;
+      const Lanes rate_r = complete_remainder(layer, i, 1, t);
+      const Lanes rate_linear = spread(rate + tile_boxes, half, n);
+      const Lanes rate_quadratic = quadratic_size(rate + hessian, half, n);
+      const Lanes rate_deviation = (rate_quadratic + rate_r) * slack;
+      const Lanes rate_radius = (rate_linear + rate_deviation) * slack;
+      store(z_remainder + tile_boxes, rate_deviation);
+      const Lanes rate0 = load(rate), cross = e.second * rate0, bend = e.third * rate0;
+      const Lanes cross_size = magnitude(cross), bend_size = magnitude(bend);
+      store(a + block, e.first * rate0);
+      for (ptrdiff_t d = 1; d < columns; ++d) {
+        store(a + block + d * tile_boxes,
+              e.first * load(rate + d * tile_boxes) + cross * load(z + d * tile_boxes));
+      }
+      add_square(a + block + hessian, bend, z + tile_boxes, n);
+      add_product(a + block + hessian, 2.0 * e.second, z + tile_boxes, rate + tile_boxes, n);
+      const Lanes rate_size = magnitude(rate0) + rate_radius;
+      const Lanes rate_line = first * rate_linear + cross_size * linear;
+      const Lanes rate_bent = first * rate_quadratic + cross_size * quadratic +
+                              0.5 * bend_size * linear * linear + second * linear * rate_linear;
+      const Lanes rounding = twice * (first * magnitude(rate0) + rate_line + 3.0 * rate_bent);
+      const Lanes cubic =
+          second * (deviation * rate_radius + linear * rate_deviation) + 0.5 * bend_size * square_error +
+          0.5 * magnitude(e.third) * radius * radius * rate_radius + e.first_error * rate_size;
+      store(out_remainder + tile_boxes, (first * rate_r + cross_size * r + cubic + rounding) * slack);
+      largest_rate = larger(largest_rate, first * magnitude(rate0) + rate_line + rate_bent);
+    }
+    store(layer.magnitude_out + t, largest * slack);
+    if (layer.streams == 2) store(layer.magnitude_out + tile_boxes + t, largest_rate * slack);
+  }
+}
+
 void pull_back(const LayerTile& layer, const PullBackTile& tile) {
-  const ptrdiff_t n = layer.dimension, block = (1 + n) * tile_boxes, row = layer.streams * block;
+  const ptrdiff_t n = layer.dimension, block = (1 + n + n * (n + 1) / 2) * tile_boxes;
+  const ptrdiff_t row = layer.streams * block;
   for (ptrdiff_t t = 0; t < tile_boxes; t += S2NNDS_TAYLOR_LANES) {
     const double* half = layer.half + t;
     Lanes remainder = load(tile.remainder + t), terms = load(tile.hessian_magnitude + t);

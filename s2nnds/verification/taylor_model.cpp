@@ -41,10 +41,25 @@ void BoxTile::assign(const Points& lower, const Points& upper, Eigen::Index firs
   }
 }
 
-TileRow TileModels::spread(Eigen::Index i, const BoxTile& tile) const {
+TileRow linear_size(const TileRow* slope, const BoxTile& tile) {
   TileRow sum;
-  for (Eigen::Index d = 0; d < dimension; ++d) sum += slope(i)[d].abs() * tile.half[d];
+  for (Eigen::Index d = 0; d < tile.dimension(); ++d) sum += slope[d].abs() * tile.half[d];
   return sum * slack;
+}
+
+TileRow quadratic_size(const TileRow* hessian, const BoxTile& tile) {
+  TileRow sum;
+  for (Eigen::Index d = 0; d < tile.dimension(); ++d) {
+    sum += 0.5 * (hessian++)->abs() * tile.half[d].square();
+    for (Eigen::Index e = d + 1; e < tile.dimension(); ++e)
+      sum += (hessian++)->abs() * tile.half[d] * tile.half[e];
+  }
+  return sum * slack;
+}
+
+TileRow TileModels::spread(Eigen::Index i, const BoxTile& tile) const { return linear_size(slope(i), tile); }
+TileRow TileModels::deviation(Eigen::Index i, const BoxTile& tile) const {
+  return (quadratic_size(hessian(i), tile) + remainder[i]) * slack;
 }
 
 void TileForm::clear() {

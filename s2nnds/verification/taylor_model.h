@@ -32,28 +32,40 @@ class BoxTile {
   std::vector<TileRow> center, half;  // [n]
 };
 
-// First-order Taylor models of m functions on a tile:
-//   |y_i(x) - value_i - slope_i . (x - c)| <= remainder_i.
+// Rows of the upper triangle of a symmetric n x n matrix.
+inline Eigen::Index triangle(Eigen::Index n) { return n * (n + 1) / 2; }
+
+// Second-order Taylor models of m functions on a tile, dx = x - c:
+//   |y_i(x) - value_i - slope_i . dx - dx' H_i dx / 2| <= remainder_i.
 struct TileModels {
   TileModels(Eigen::Index outputs, Eigen::Index inputs)
-      : models(outputs * (1 + inputs)), remainder(outputs), dimension(inputs) {}
+      : dimension(inputs), models(outputs * columns()), remainder(outputs) {}
 
-  TileRow& value(Eigen::Index i) { return models[i * (1 + dimension)]; }
-  TileRow* slope(Eigen::Index i) { return &models[i * (1 + dimension) + 1]; }  // [n]
-  const TileRow& value(Eigen::Index i) const { return models[i * (1 + dimension)]; }
-  const TileRow* slope(Eigen::Index i) const { return &models[i * (1 + dimension) + 1]; }
-  // |slope_i| . half, rounded up.
+  Eigen::Index columns() const { return 1 + dimension + triangle(dimension); }
+  TileRow& value(Eigen::Index i) { return models[i * columns()]; }
+  TileRow* slope(Eigen::Index i) { return &models[i * columns() + 1]; }                // [n]
+  TileRow* hessian(Eigen::Index i) { return &models[i * columns() + 1 + dimension]; }  // [n (n + 1) / 2]
+  const TileRow& value(Eigen::Index i) const { return models[i * columns()]; }
+  const TileRow* slope(Eigen::Index i) const { return &models[i * columns() + 1]; }
+  const TileRow* hessian(Eigen::Index i) const { return &models[i * columns() + 1 + dimension]; }
+  // Above |slope_i . dx|.
   TileRow spread(Eigen::Index i, const BoxTile& tile) const;
+  // Above |y_i(x) - value_i - slope_i . dx|: the deviation from the first-order model.
+  TileRow deviation(Eigen::Index i, const BoxTile& tile) const;
 
-  std::vector<TileRow> models;     // [m, 1 + n]
-  std::vector<TileRow> remainder;  // [m]
   Eigen::Index dimension;          // n
+  std::vector<TileRow> models;     // [m, columns]
+  std::vector<TileRow> remainder;  // [m]
 };
+
+// Above |slope . dx| and |dx' H dx / 2| on each box: slope [n], hessian [n (n + 1) / 2].
+TileRow linear_size(const TileRow* slope, const BoxTile& tile);
+TileRow quadratic_size(const TileRow* hessian, const BoxTile& tile);
 
 // A scalar function to second order on a tile: |q(x) - value - gradient . dx - dx' H dx / 2| <= remainder, dx
 // = x - c, once the roundings collected in `magnitude` are counted (bounds do).
 struct TileForm {
-  explicit TileForm(Eigen::Index dimension) : gradient(dimension), hessian(dimension * (dimension + 1) / 2) {}
+  explicit TileForm(Eigen::Index dimension) : gradient(dimension), hessian(triangle(dimension)) {}
   void clear();
 
   // Above (below) every value of q on each box; NaN where nothing is known.
@@ -78,9 +90,9 @@ struct TileForm {
 
 // A function R^n -> R^m that can be enclosed by Taylor models over tiles of boxes, in exact arithmetic with
 // every rounding covered: a network, a polynomial. Compositions are expanded by a forward and a backward
-// sweep: the forward sweep gives first-order models; the backward one weighs the local second-order terms and
-// remainders of every elementary operation with their exact influence on the scalar in question (its adjoint
-// at the centre), so that remainders do not pass through |W| after |W|.
+// sweep: the forward sweep gives second-order models of every quantity on the way; the backward one weighs
+// the local second-order terms and remainders of every elementary operation with their exact influence on the
+// scalar in question (its adjoint at the centre), so that its remainder does not pass through |W| after |W|.
 class TaylorFunction {
  public:
   // What the sweeps leave in memory; one for each thread.
@@ -96,14 +108,14 @@ class TaylorFunction {
 
   // Models of all outputs.
   virtual void models(const BoxTile& tile, Workspace& workspace, TileModels& y) const = 0;
-  // After models(): adds sum_i adjoint_i (y_i(x) - model_i(x)) to q, adjoint [m].
+  // After models(): adds sum_i adjoint_i (y_i(x) - value_i - slope_i . dx) to q, adjoint [m].
   virtual void add_deviations(const BoxTile& tile, Workspace& workspace, const std::vector<TileRow>& adjoint,
                               TileForm& q) const = 0;
 
   // Scalar functions only (m = 1). Adds y(x) to q.
   virtual void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const = 0;
   // Scalar functions only. Adds grad y(x) . d(x) to q, d given by its models [n] but for sum_i adjoint_i
-  // (d_i(x) - model_i(x)), which the caller still has to add: adjoint [n] is returned.
+  // (d_i(x) - value_i - slope_i . dx), which the caller still has to add: adjoint [n] is returned.
   virtual void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                               std::vector<TileRow>& adjoint, TileForm& q) const = 0;
 

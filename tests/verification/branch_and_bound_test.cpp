@@ -1,0 +1,81 @@
+#include "s2nnds/verification/branch_and_bound.h"
+
+#include <gtest/gtest.h>
+
+#include "s2nnds/core/random.h"
+
+namespace s2nnds {
+namespace {
+
+// Cuts boxes as often as told until they are narrow, then gives them up.
+class Cutter final : public BoxExaminer {
+ public:
+  Cutter(std::int32_t cuts, double narrow) : cuts_(cuts), narrow_(narrow) {}
+
+  void examine(BoxBatch& batch) override {
+    for (Eigen::Index row = batch.first; row < batch.first + batch.count; ++row) {
+      const auto at = static_cast<std::size_t>(row);
+      batch.cuts[at] = cuts_;
+      if ((batch.upper.row(row) - batch.lower.row(row)).maxCoeff() <= narrow_) {
+        batch.status[at] = BoxStatus::abandoned;
+      }
+    }
+  }
+
+ private:
+  std::int32_t cuts_;
+  double narrow_;
+};
+
+BranchResult cut(std::int32_t cuts, const BranchLimits& limits, double narrow = 0.25) {
+  Points lower(1, 3), upper(1, 3);
+  lower << -1.0, 0.0, 2.0;
+  upper << 1.0, 1.0, 2.5;
+  return branch_and_bound(
+      lower, upper, [&] { return std::make_unique<Cutter>(cuts, narrow); }, limits);
+}
+
+TEST(BranchAndBound, PartsCoverTheStartHoweverOftenItIsCut) {
+  RandomStream random(3, "cuts");
+  for (std::int32_t cuts : {1, 2, 3, 5}) {
+    const BranchResult result = cut(cuts, {});
+    EXPECT_FALSE(result.proved);
+    EXPECT_FALSE(result.stopped);
+    EXPECT_NEAR(result.open_volume, 1.0, 1e-12);
+    for (int k = 0; k < 200; ++k) {
+      const Eigen::RowVector3d x(random.uniform(-1.0, 1.0), random.uniform(), random.uniform(2.0, 2.5));
+      int holders = 0;
+      for (Eigen::Index row = 0; row < result.open_lower.rows(); ++row) {
+        holders += (x.array() >= result.open_lower.row(row).array()).all() &&
+                   (x.array() <= result.open_upper.row(row).array()).all();
+      }
+      ASSERT_EQ(holders, 1) << cuts << " cuts";
+    }
+  }
+}
+
+TEST(BranchAndBound, CutsSaveTheLooksBetween) {
+  const BranchResult one = cut(1, {}), three = cut(3, {});
+  EXPECT_EQ(one.open_boxes, 64);  // 2 * 1 * 0.5, cubes with sides of 0.25
+  EXPECT_EQ(three.open_boxes, 64);
+  EXPECT_EQ(one.boxes, 127);
+  EXPECT_EQ(three.boxes, 1 + 8 + 64);
+}
+
+TEST(BranchAndBound, StopsAfterTheLevelOfTheFirstAbandonedBox) {
+  BranchLimits limits;
+  limits.max_abandoned = 1;
+  limits.kept_boxes = 0;
+  // All boxes of a level are alike here, so the level that gives up is the last one in any case.
+  EXPECT_EQ(cut(1, limits).boxes, cut(1, {}).boxes);
+  limits.max_abandoned = 0;
+  const BranchResult none = cut(1, limits);
+  EXPECT_EQ(none.boxes, 0);
+  EXPECT_TRUE(none.stopped);
+  EXPECT_NEAR(none.open_volume, 1.0, 1e-12);
+}
+
+TEST(BranchAndBound, NoCutAtAllIsAnError) { EXPECT_ANY_THROW(cut(0, {})); }
+
+}  // namespace
+}  // namespace s2nnds
