@@ -9,6 +9,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
+#include "s2nnds/runs/float32_source.h"
 #include "s2nnds/runs/proof_source.h"
 #include "s2nnds/runs/threads.h"
 #include "s2nnds/runs/training_checkpoint.h"
@@ -208,6 +209,8 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
     ProofOptions quick = ProofOptions::fail_fast();
     if (setup.problem.dimension() > 2) quick.max_boxes = config.verification.proof.max_boxes;
     trainer.add_source(std::make_shared<ProofSource>(quick, config.training.pool_additions));
+    trainer.add_source(
+        std::make_shared<Float32Source>(config.verification.disturbance, config.training.pool_additions));
   }
   trainer.set_rollout_labels(
       [&](const LayerStack& f, const Points& starts) { return rollout_is_safe(f, setup.problem, starts); });

@@ -191,8 +191,13 @@ class Search {
   Search(const ProofFunctions& functions, const SafetyProblem& problem, const DisturbanceOptions& options)
       : functions_(functions), problem_(problem), options_(options) {
     limits_.max_boxes = options.max_boxes;
-    limits_.max_abandoned = 1;  // one box that fails is enough
-    limits_.kept_boxes = 0;
+    keep(0);
+  }
+
+  // Failing boxes to come back; one that fails is enough to end a step.
+  void keep(std::int64_t boxes) {
+    limits_.kept_boxes = boxes;
+    limits_.max_abandoned = std::max<std::int64_t>(boxes, 1);
   }
 
   // Whether the barrier withstands the disturbance. If so, the cover does; it can only become finer.
@@ -207,7 +212,7 @@ class Search {
       upper.row(static_cast<Eigen::Index>(i)) = open[i].upper;
     }
     LevelSetCover parts;
-    if (!refine(std::move(lower), std::move(upper), disturbance, parts)) return false;
+    if (!refine(std::move(lower), std::move(upper), disturbance, parts).proved) return false;
     cover.members = std::move(kept);
     cover.members.insert(cover.members.end(), parts.members.begin(), parts.members.end());
     cover.weakest = std::max(cover.weakest, parts.weakest);
@@ -217,9 +222,12 @@ class Search {
   // A cover on which Bdot < 0; none if that cannot be shown.
   std::optional<LevelSetCover> cover() {
     LevelSetCover found;
-    const Box& workspace = problem_.workspace;
-    if (!refine(workspace.lower.transpose(), workspace.upper.transpose(), 0.0, found)) return std::nullopt;
+    if (!from_the_workspace(0.0, found).proved) return std::nullopt;
     return found;
+  }
+  BranchResult from_the_workspace(double disturbance, LevelSetCover& found) {
+    const Box& workspace = problem_.workspace;
+    return refine(workspace.lower.transpose(), workspace.upper.transpose(), disturbance, found);
   }
 
   void limit_boxes(std::int64_t boxes) { limits_.max_boxes = std::min(options_.max_boxes, boxes); }
@@ -248,17 +256,17 @@ class Search {
  private:
   double width() const { return (problem_.workspace.upper - problem_.workspace.lower).maxCoeff(); }
 
-  bool refine(Points lower, Points upper, double disturbance, LevelSetCover& cover) {
+  BranchResult refine(Points lower, Points upper, double disturbance, LevelSetCover& cover) {
     const double resolution = options_.resolution * width();
     std::deque<LevelSetCover> parts;  // one an examiner, that is one a thread
-    const BranchResult result = run(std::move(lower), std::move(upper), [&] {
+    BranchResult result = run(std::move(lower), std::move(upper), [&] {
       return std::make_unique<BarrierExaminer>(functions_, resolution, disturbance, parts.emplace_back());
     });
     for (LevelSetCover& part : parts) {
       cover.members.insert(cover.members.end(), part.members.begin(), part.members.end());
       cover.weakest = std::max(cover.weakest, part.weakest);
     }
-    return result.proved;
+    return result;
   }
 
   template <typename Factory>
@@ -336,6 +344,17 @@ DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const Safe
   result.boxes = search.boxes();
   result.seconds = search.seconds();
   return result;
+}
+
+BranchResult prove_under_disturbance(const ProofFunctions& functions, const SafetyProblem& problem,
+                                     double disturbance, std::int64_t kept_boxes,
+                                     const DisturbanceOptions& options) {
+  validate(options);
+  check(disturbance >= 0.0, "proof under disturbance: the disturbance is {}, expected >= 0", disturbance);
+  Search search(functions, problem, options);
+  search.keep(kept_boxes);
+  LevelSetCover cover;
+  return search.from_the_workspace(disturbance, cover);
 }
 
 double convergence_radius(const ProofFunctions& functions, const SafetyProblem& problem, double disturbance,

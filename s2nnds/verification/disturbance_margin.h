@@ -35,6 +35,12 @@ struct DisturbanceMargin {
 DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem,
                                      const DisturbanceOptions& options = {});
 
+// Whether {B <= 0} withstands every |w|_2 <= disturbance (>= 0): grad B . f + disturbance |grad B|_2 < 0
+// wherever B = 0. At most `kept_boxes` boxes where that stays open come back.
+BranchResult prove_under_disturbance(const ProofFunctions& functions, const SafetyProblem& problem,
+                                     double disturbance, std::int64_t kept_boxes,
+                                     const DisturbanceOptions& options = {});
+
 // The radius of the ball that motions under |w|_2 <= disturbance converge to while they stay in {B <= 0}.
 double convergence_radius(const ProofFunctions& functions, const SafetyProblem& problem, double disturbance,
                           const DisturbanceOptions& options = {});

@@ -353,19 +353,23 @@ ProofFunctions ProofFunctions::of(const Networks& networks) {
           std::make_shared<NetworkFunction>(networks.B)};
 }
 
+Points points_in_boxes(const Points& lower, const Points& upper, std::size_t count, RandomStream& random) {
+  Points points(lower.rows() > 0 ? count : 0, lower.cols());
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const auto box = static_cast<Eigen::Index>(random.below(static_cast<std::size_t>(lower.rows())));
+    for (Eigen::Index d = 0; d < points.cols(); ++d)
+      points(i, d) = random.uniform(lower(box, d), upper(box, d));
+  }
+  return points;
+}
+
 Points ConditionProof::samples(std::size_t count, RandomStream& random) const {
   if (open_lower.rows() == 0) return Points(0, open_lower.cols());
+  const Eigen::Index certain = std::min(witnesses.rows(), static_cast<Eigen::Index>(count));
   Points points(count, open_lower.cols());
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    if (i < witnesses.rows()) {
-      points.row(i) = witnesses.row(i);
-      continue;
-    }
-    const auto box = static_cast<Eigen::Index>(random.below(static_cast<std::size_t>(open_lower.rows())));
-    for (Eigen::Index d = 0; d < points.cols(); ++d) {
-      points(i, d) = random.uniform(open_lower(box, d), open_upper(box, d));
-    }
-  }
+  points.topRows(certain) = witnesses.topRows(certain);
+  points.bottomRows(points.rows() - certain) =
+      points_in_boxes(open_lower, open_upper, static_cast<std::size_t>(points.rows() - certain), random);
   return points;
 }
 

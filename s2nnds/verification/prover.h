@@ -31,6 +31,9 @@ struct ProofFunctions {
   static ProofFunctions of(const Networks& networks);
 };
 
+// `count` points [count, n], each uniform in one of the boxes [N, n]; none if there is no box.
+Points points_in_boxes(const Points& lower, const Points& upper, std::size_t count, RandomStream& random);
+
 struct ConditionProof {
   Condition condition = Condition::lyapunov_positive;
   ConditionVerdict verdict;

@@ -45,6 +45,21 @@ TEST(DisturbanceMargin, IsKnownForContractionOnAnEllipse) {
   }
 }
 
+TEST(DisturbanceMargin, OneDisturbanceIsDecidedAlone) {
+  const ProofFunctions functions = contracting(0.5);
+  EXPECT_TRUE(prove_under_disturbance(functions, plain_problem(), 0.49, 10).proved);
+  const BranchResult open = prove_under_disturbance(functions, plain_problem(), 0.52, 10);
+  EXPECT_FALSE(open.proved);
+  ASSERT_GT(open.open_lower.rows(), 0);
+  ASSERT_LE(open.open_lower.rows(), 10);
+  for (Eigen::Index row = 0; row < open.open_lower.rows(); ++row) {
+    // Around (+-0.5, 0), where the ellipse is nearest to the centre.
+    EXPECT_NEAR(std::abs(open.open_lower(row, 0)), 0.5, 0.12);
+    EXPECT_NEAR(open.open_lower(row, 1), 0.0, 0.5);
+  }
+  EXPECT_ANY_THROW(prove_under_disturbance(functions, plain_problem(), -1.0, 10));
+}
+
 // Vdot + 2 |x| w < 0 iff |x| > w.
 TEST(DisturbanceMargin, ConvergesToTheBallWhereTheDisturbanceWins) {
   for (double disturbance : {0.1, 0.3}) {
