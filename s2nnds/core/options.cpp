@@ -7,7 +7,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <sstream>
 
 #include "s2nnds/core/check.h"
@@ -179,24 +178,9 @@ constexpr std::string_view expected_type<std::vector<std::int64_t>> = "a list of
 template <>
 constexpr std::string_view expected_type<std::vector<std::string>> = "a list of strings";
 
-// Ends the lines that with_overrides writes for its assignments.
-constexpr std::string_view override_mark = "  # overridden";
-
-std::set<toml::source_index> overridden_lines(const std::string& text) {
-  std::set<toml::source_index> found;
-  std::istringstream lines(text);
-  toml::source_index number = 1;
-  for (std::string line; std::getline(lines, line); ++number) {
-    if (line.ends_with(override_mark)) found.insert(number);
-  }
-  return found;
-}
-
 class TomlReader final : public NamedVisitor {
  public:
-  // `overrides`: the lines that are not the source's own.
-  TomlReader(const toml::table& root, std::string source, std::set<toml::source_index> overrides)
-      : root_(root), source_(std::move(source)), overrides_(std::move(overrides)) {
+  TomlReader(const toml::table& root, std::string source) : root_(root), source_(std::move(source)) {
     tables_.push_back(&root_);
   }
 
@@ -248,7 +232,6 @@ class TomlReader final : public NamedVisitor {
  private:
   std::string where(const toml::node& node) const { return where(node.source()); }
   std::string where(const toml::source_region& region) const {
-    if (overrides_.contains(region.begin.line)) return fmt::format("{}, as overridden: ", source_);
     return fmt::format("{}:{}: ", source_, region.begin.line);
   }
 
@@ -351,7 +334,6 @@ class TomlReader final : public NamedVisitor {
 
   const toml::table& root_;
   std::string source_;
-  std::set<toml::source_index> overrides_;
   std::vector<const toml::table*> tables_;  // those being visited; null where the file has none
   std::map<std::string, std::vector<std::string>> known_;  // names of fields and groups, by dotted prefix
 };
@@ -613,38 +595,27 @@ void assign(toml::table& root, const std::string& text) {
   value.visit([&](const auto& node) { array->replace(array->cbegin() + std::stol(name), node); });
 }
 
-// Every value under its full dotted key, so that each can stand on a line of its choice. `set` names the
-// values that do not come from the text.
+// Every value under its full dotted key, so that each can stand on a line of its choice.
 void collect_values(const toml::table& table, const std::string& prefix, const Lines& lines,
-                    const std::set<std::string>& set,
                     std::multimap<toml::source_index, std::string>& values) {
   for (const auto& [key, node] : table) {
     const std::string name = prefix + key_text(key.str());
     const auto* inner = node.as_table();
     if (inner != nullptr && !inner->is_inline() && !inner->empty()) {
-      collect_values(*inner, name + ".", lines, set, values);
+      collect_values(*inner, name + ".", lines, values);
     } else {
       const auto line = lines.find(name);
-      values.emplace(
-          line != lines.end() ? line->second : std::numeric_limits<toml::source_index>::max(),
-          fmt::format("{} = {}{}\n", name, toml_text(node), set.contains(name) ? override_mark : ""));
+      values.emplace(line != lines.end() ? line->second : std::numeric_limits<toml::source_index>::max(),
+                     fmt::format("{} = {}\n", name, toml_text(node)));
     }
   }
-}
-
-// The dotted key of a setting as collect_values writes it.
-std::string name_of_setting(const std::string& text) {
-  std::string name;
-  for (const std::string& key : parse_assignment(text).path)
-    name += (name.empty() ? "" : ".") + key_text(key);
-  return name;
 }
 
 }  // namespace
 
 void options_detail::read_toml(const std::string& text, const std::string& source, AnyOptions& options) {
   const toml::table root = parse(text, source);
-  TomlReader reader(root, source, overridden_lines(text));
+  TomlReader reader(root, source);
   options.visit(reader);
   reader.check_for_unknown_keys();
 }
@@ -677,13 +648,9 @@ std::string with_overrides(const std::string& text, const std::string& source,
   toml::table root = parse(text, source);
   Lines lines;
   collect_lines(root, "", lines);
-  std::set<std::string> set;
-  for (const std::string& assignment : assignments) {
-    assign(root, assignment);
-    set.insert(name_of_setting(assignment));
-  }
+  for (const std::string& assignment : assignments) assign(root, assignment);
   std::multimap<toml::source_index, std::string> values;
-  collect_values(root, "", lines, set, values);
+  collect_values(root, "", lines, values);
 
   std::string out;
   toml::source_index line = 1;

@@ -146,8 +146,8 @@ std::vector<std::pair<std::string, std::string>> flatten(T options) {
 // The TOML `text` with "a.b.c=value" assignments applied, in order; a value that is not TOML counts as a
 // string, and a number within the key picks an element of an array ("of.0.radius"). Values keep the line that
 // they had in `text`, so that messages about them stay right; new ones follow after its last line; comments
-// go, and "# overridden" marks what was assigned, of which messages say so in place of a line. Throws Error
-// with `source` and line when `text` is not TOML, and naming the assignment that cannot be made.
+// go. Throws Error with `source` and line when `text` is not TOML, and naming the assignment that cannot be
+// made.
 std::string with_overrides(const std::string& text, const std::string& source,
                            const std::vector<std::string>& assignments);
 

@@ -1,6 +1,5 @@
 #include "s2nnds/core/options.h"
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -348,17 +347,6 @@ TEST(WithOverrides, KeepsLineNumbers) {
             "my.toml:6: unknown key training.roundz; did you mean training.rounds?");
   EXPECT_EQ(error_of([&] { overridden("\n\nweights = [1,\n2]\nseed = \"x\"", {"name=y"}); }),
             "my.toml:5: seed: expected an integer, found a string \"x\"");
-}
-
-TEST(WithOverrides, MessagesKnowWhatWasOverridden) {
-  const std::string text = "seed = 1\n[training]\nrounds = 3\n";
-  for (const auto& [setting, message] :
-       {std::pair("training.rounds=many", "training.rounds: expected an integer, found a string \"many\""),
-        std::pair("seed=x", "seed: expected an integer, found a string \"x\""),
-        std::pair("training.roundz=4", "unknown key training.roundz; did you mean training.rounds?")}) {
-    EXPECT_EQ(error_of([&] { overridden(text, {setting}); }),
-              fmt::format("my.toml, as overridden: {}", message));
-  }
 }
 
 TEST(WithOverrides, AValueThatIsNotTomlIsAString) {
