@@ -116,10 +116,12 @@ NetworkFunction::NetworkFunction(const LayerStack& stack) : stack_(stack) {
     map.magnitude = layer.weight.cwiseAbs();
     map.bias = layer.bias.size() > 0 ? layer.bias : Vector::Zero(layer.weight.rows());
     const double rounding = sum_rounding(layer.weight.cols() + 1);
-    map.row_error = rounding * (map.magnitude.rowwise().sum() * (1.0 + rounding));
+    map.adjoint_rounding = sum_rounding(layer.weight.rows());
+    // The adjoint's rounding meets |W| |quadratic part|, term by term, of which the deviation of W a may have
+    // cancelled: it is counted here, against the size of the model.
+    map.row_error = (rounding + map.adjoint_rounding) * (map.magnitude.rowwise().sum() * (1.0 + rounding));
     map.bias_error = rounding * map.bias.cwiseAbs();
     map.remainder_growth = 1.0 + 2.0 * rounding;
-    map.adjoint_rounding = sum_rounding(layer.weight.rows());
     operations_ += 8.0 * static_cast<double>(layer.weight.rows());
     maps_.push_back(std::move(map));
   }

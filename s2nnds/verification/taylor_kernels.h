@@ -30,8 +30,8 @@ struct LayerTile {
   std::ptrdiff_t dimension = 0;  // n
   std::ptrdiff_t streams = 1;    // 1, or 2 with the derivative
   Activation activation = Activation::identity;
-  const double* half = nullptr;          // [n, T]
-  const double* row_error = nullptr;     // [width] rounding of a row of W times `magnitude`
+  const double* half = nullptr;       // [n, T]
+  const double* row_error = nullptr;  // [width] rounding of a row of W, and of the adjoint, times `magnitude`
   const double* bias_error = nullptr;    // [width]
   double remainder_growth = 1.0;         // 1 + the relative rounding of |W| r
   double adjoint_rounding = 0.0;         // relative rounding of a column of W' in the backward sweep
