@@ -162,6 +162,7 @@ class Trainer::Impl {
     const RoundPlan plan = plan_of(round, growing);
     // Each round starts afresh, so that a checkpoint needs no optimiser state.
     std::vector<FlatAdam> optimizers(3, FlatAdam(0.0, options_.clip));
+    optimizers[0] = FlatAdam(options_.weight_decay, options_.clip);
     torch::Tensor parameters[] = {modules_.f->network->theta, modules_.V->network->theta,
                                   modules_.B->network->theta};
     const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};

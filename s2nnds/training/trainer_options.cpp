@@ -70,6 +70,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("growth_margins", growth_margins, at_least(0.0));
   v.field("growth_rate", growth_rate, above(0.0));
   v.field("clip", clip, above(0.0));
+  v.field("weight_decay", weight_decay, at_least(0.0));
   v.field("label_points", label_points, at_least(0));
   v.field("keep_clear", keep_clear, at_least(0.0));
   v.field("samples", samples, at_least(1));
@@ -88,7 +89,7 @@ TrainerOptions paper_training() {
   options.rate_rise = 1;
   options.level_reach = 0.0;
   options.keep_clear = 0.0;
-  options.warm_start.weight_decay = 0.0;
+  options.weight_decay = options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
                   .mse = 10.0,
                   .lyapunov = 1.0,

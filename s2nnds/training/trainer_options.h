@@ -101,6 +101,7 @@ struct TrainerOptions {
   double growth_margins = 2.0;       // factor of the separation's and the band's weights
   double growth_rate = 0.5;          // factor of B's rate
   double clip = 1.0;                 // norm of each network's gradient
+  double weight_decay = 0.2;         // decoupled (AdamW), of all weights of f
   std::int64_t label_points = 6000;  // relabelled every round by rollouts; 0: no labels
   // Demonstration samples nearer to Xu than this (per axis) leave the MSE term; twice this for demonstrations
   // that pass through Xu.

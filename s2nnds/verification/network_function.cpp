@@ -84,8 +84,7 @@ class CubicForm {
  private:
   // The term dx_d (Q_eg + Q_ge) dx_e dx_g / 2 of the symmetric Q, doubled for e != g, with e <= g.
   TileRow at(const std::vector<TileRow>& rows, Eigen::Index d, Eigen::Index e, Eigen::Index g) const {
-    const Eigen::Index entry = e * dimension_ - e * (e - 1) / 2 + g - e;
-    return (e == g ? 1.0 : 2.0) * rows[d * triangle(dimension_) + entry];
+    return (e == g ? 1.0 : 2.0) * rows[d * triangle(dimension_) + triangle_row(e, g, dimension_)];
   }
 
   Eigen::Index dimension_;

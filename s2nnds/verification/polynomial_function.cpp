@@ -22,10 +22,6 @@ double taylor_weight(const std::vector<Eigen::Index>& axes) {
   return weight;
 }
 
-std::size_t hessian_index(Eigen::Index i, Eigen::Index j, Eigen::Index n) {
-  return static_cast<std::size_t>(i * n - i * (i - 1) / 2 + (j - i));
-}
-
 }  // namespace
 
 struct PolynomialFunction::Memory final : TaylorFunction::Workspace {
@@ -113,7 +109,7 @@ void PolynomialFunction::expand(const Partials& partials, const BoxTile& tile, M
       for (Eigen::Index axis : partial.axes) weight *= tile.half[axis];
       if (order == 0) form.value = value;
       if (order == 1) form.gradient[partial.axes[0]] = value;
-      if (order == 2) form.hessian[hessian_index(partial.axes[0], partial.axes[1], dimension_)] = value;
+      if (order == 2) form.hessian[triangle_row(partial.axes[0], partial.axes[1], dimension_)] = value;
       // The third derivatives at the centre and the fourth ones anywhere (Lagrange), or roundings.
       if (order < 3) {
         form.remainder += weight * rounding;
@@ -147,7 +143,7 @@ void PolynomialFunction::add_deviations(const BoxTile& tile, Workspace& workspac
     const TileForm& form = memory.outputs[i];
     for (Eigen::Index d = 0; d < dimension_; ++d) {
       for (Eigen::Index e = d; e < dimension_; ++e) {
-        const std::size_t at = hessian_index(d, e, dimension_);
+        const Eigen::Index at = triangle_row(d, e, dimension_);
         const TileRow term = adjoint[i] * form.hessian[at];
         q.hessian[at] += term;
         q.magnitude += term.abs() * tile.half[d] * tile.half[e];
@@ -171,7 +167,7 @@ void PolynomialFunction::add_value(const BoxTile& tile, Workspace& workspace, Ti
   }
   for (Eigen::Index d = 0; d < dimension_; ++d) {
     for (Eigen::Index e = d; e < dimension_; ++e) {
-      const std::size_t at = hessian_index(d, e, dimension_);
+      const Eigen::Index at = triangle_row(d, e, dimension_);
       q.hessian[at] += form.hessian[at];
       q.magnitude += form.hessian[at].abs() * tile.half[d] * tile.half[e];
     }
@@ -196,7 +192,7 @@ void PolynomialFunction::add_derivative(const BoxTile& tile, Workspace& workspac
       q.gradient[d] += value * g.gradient[d] + g.value * slope[d];
       linear += g.gradient[d].abs() * tile.half[d];
       for (Eigen::Index e = d; e < dimension_; ++e) {
-        const std::size_t at = hessian_index(d, e, dimension_);
+        const Eigen::Index at = triangle_row(d, e, dimension_);
         q.hessian[at] += value * g.hessian[at] + g.gradient[d] * slope[e] + g.gradient[e] * slope[d];
         quadratic += (d == e ? 0.5 : 1.0) * g.hessian[at].abs() * tile.half[d] * tile.half[e];
       }

@@ -35,6 +35,11 @@ class BoxTile {
 // Rows of the upper triangle of a symmetric n x n matrix.
 inline Eigen::Index triangle(Eigen::Index n) { return n * (n + 1) / 2; }
 
+// The row of entry (i, j), i <= j < n, among them.
+inline Eigen::Index triangle_row(Eigen::Index i, Eigen::Index j, Eigen::Index n) {
+  return i * n - i * (i - 1) / 2 + (j - i);
+}
+
 // Second-order Taylor models of m functions on a tile, dx = x - c:
 //   |y_i(x) - value_i - slope_i . dx - dx' H_i dx / 2| <= remainder_i.
 struct TileModels {
