@@ -207,7 +207,8 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
   trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
   if (config.verification.method == "proof") {
     ProofOptions quick = ProofOptions::fail_fast();
-    if (setup.problem.dimension() > 2) quick.max_boxes = config.verification.proof.max_boxes;
+    if (setup.problem.dimension() > 2)
+      quick.max_boxes = quick.max_after_refuted = config.verification.proof.max_boxes;
     trainer.add_source(std::make_shared<ProofSource>(quick, config.training.pool_additions));
     trainer.add_source(
         std::make_shared<Float32Source>(config.verification.disturbance, config.training.pool_additions));

@@ -159,6 +159,7 @@ class Trainer::Impl {
     row.round = round;
     row.growing = growing;
     label(row);
+    if (starts_anew(round) && !growing && options_.redraw_barrier) redraw_barrier(round);
     const RoundPlan plan = plan_of(round, growing);
     // Each round starts afresh, so that a checkpoint needs no optimiser state.
     std::vector<FlatAdam> optimizers(3, FlatAdam(0.0, options_.clip));
@@ -190,12 +191,21 @@ class Trainer::Impl {
     return row;
   }
 
+  // The rates are back at their full height.
+  bool starts_anew(std::int64_t round) const { return round > 1 && (round - 1) % options_.rate_period == 0; }
+
+  void redraw_barrier(std::int64_t round) {
+    RandomStream start(seed_, "start/B", round);
+    modules_.B = Barrier(problem_.dimension(), network_options_.B, start);
+    set_engine();
+  }
+
   RoundPlan plan_of(std::int64_t round, bool growing) const {
     if (growing) return growth_plan();
     const auto age = static_cast<double>((round - 1) % options_.rate_period);
     RoundPlan plan = {false, std::max(options_.rate_floor, std::pow(options_.rate_decay, age)),
                       options_.loss};
-    const std::int64_t mending = mending_round();
+    const std::int64_t mending = starts_anew(round) ? 0 : mending_round();
     if (mending == 0) return plan;
     plan.rate *= options_.mend_rate;
     plan.loss.labels *= std::pow(options_.mend_labels, mending);

@@ -59,6 +59,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("rate_floor", rate_floor, between(0.0, 1.0));
   v.field("rate_rise", rate_rise, at_least(1));
   v.field("rate_period", rate_period, at_least(1));
+  v.field("redraw_barrier", redraw_barrier);
   v.field("mend_rounds", mend_rounds, at_least(0));
   v.field("mend_below", mend_below, at_least(1));
   v.field("mend_rate", mend_rate, above(0.0));
@@ -87,6 +88,7 @@ TrainerOptions paper_training() {
   options.label_points = 0;
   options.mend_rounds = options.growth_rounds = 0;
   options.rate_rise = 1;
+  options.redraw_barrier = false;
   options.level_reach = 0.0;
   options.keep_clear = 0.0;
   options.weight_decay = options.warm_start.weight_decay = 0.0;

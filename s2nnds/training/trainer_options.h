@@ -82,7 +82,8 @@ struct TrainerOptions {
                            // leaves behind looks like violations that no training removes
   std::int64_t rate_rise = 50;  // steps of a round over which the rates rise from 0
   std::int64_t rate_period =
-      16;  // rounds after which the decay starts anew: small rates do not leave a bad shape
+      10;  // rounds after which the decay starts anew: small rates do not leave a bad shape
+  bool redraw_barrier = true;  // B starts anew with the rates: no training mends some shapes
   // A round after one in which random search found fewer counterexamples than this mends: its rates are
   // lower, and the labels, which press {B = 0} against the motions where Bdot < 0 is hard to meet, weigh less
   // with every such round. So many rounds may mend in a row, then one follows at full rates.

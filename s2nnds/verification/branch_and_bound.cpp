@@ -148,12 +148,14 @@ BranchResult branch_and_bound(Points lower, Points upper,
   result.open_lower.resize(0, lower.cols());
   result.open_upper.resize(0, lower.cols());
   OpenBoxes open;
+  std::int64_t before_refuted = 0;  // boxes examined until the first refuted one
   Level level(std::move(lower), std::move(upper));
   for (std::int64_t depth = 0; level.lower.rows() > 0; ++depth) {
     const double left = limits.max_seconds - seconds_since(start);
     const bool stop = depth > limits.max_depth || result.boxes + level.lower.rows() > limits.max_boxes ||
-                      open.refuted() >= limits.max_refuted || open.others() >= limits.max_abandoned ||
-                      !(left > 0.0);
+                      open.refuted() >= limits.max_refuted ||
+                      result.boxes - before_refuted > limits.max_after_refuted ||
+                      open.others() >= limits.max_abandoned || !(left > 0.0);
     result.stopped = result.stopped || stop;
     if (!stop) result.boxes += examine(level, examiners, left);
     std::vector<Eigen::Index> undecided;
@@ -168,6 +170,7 @@ BranchResult branch_and_bound(Points lower, Points upper,
         open.add(level, row, status == BoxStatus::refuted);
       }
     }
+    if (open.refuted() == 0) before_refuted = result.boxes;
     if (progress) {
       progress({result.boxes, static_cast<std::int64_t>(undecided.size()), open.refuted(), depth,
                 seconds_since(start)});

@@ -336,6 +336,7 @@ ProofOptions ProofOptions::fail_fast() {
   ProofOptions options;
   options.max_boxes = 200000;
   options.max_refuted = 1000;
+  options.max_after_refuted = options.max_boxes;
   options.kept_boxes = 2000;
   return options;
 }
@@ -343,6 +344,7 @@ ProofOptions ProofOptions::fail_fast() {
 void ProofOptions::visit(FieldVisitor& v) {
   v.field("max_boxes", max_boxes, at_least(1));
   v.field("max_refuted", max_refuted, at_least(1));
+  v.field("max_after_refuted", max_after_refuted, at_least(0));
   v.field("kept_boxes", kept_boxes, at_least(0));
   v.field("max_seconds", max_seconds, above(0.0));
   v.field("goal_radius", goal_radius, above(0.0));
@@ -395,6 +397,7 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
     BranchLimits limits;
     limits.max_boxes = options.max_boxes;
     limits.max_refuted = options.max_refuted;
+    limits.max_after_refuted = options.max_after_refuted;
     limits.kept_boxes = options.kept_boxes;
     limits.max_seconds = options.max_seconds - seconds_since(start);
     proof = decide({condition, functions, problem, band, cube}, limits, progress);

@@ -15,9 +15,10 @@ namespace s2nnds {
 struct ProofOptions {
   std::int64_t max_boxes = 4000000;  // examined, for each condition
   std::int64_t max_refuted = 2000;   // a condition is given up once so many boxes hold a certain violation
-  std::int64_t kept_boxes = 10000;   // open boxes returned, for each condition
-  double max_seconds = 600.0;        // for the whole of what is to be proved
-  double goal_radius = 0.08;         // largest cube around the goal that interval Jacobians are tried on
+  std::int64_t max_after_refuted = 100000;  // the same once so many boxes came after the first
+  std::int64_t kept_boxes = 10000;          // open boxes returned, for each condition
+  double max_seconds = 600.0;               // for the whole of what is to be proved
+  double goal_radius = 0.08;  // largest cube around the goal that interval Jacobians are tried on
 
   // For the training loop: gives up early, with the boxes that are open by then.
   static ProofOptions fail_fast();

@@ -147,6 +147,31 @@ TEST(Trainer, MendsAfterNearlyCleanRoundsSoManyInARow) {
   EXPECT_EQ(moved, (std::vector<bool>{true, true, false, false, true, false, false}));
 }
 
+TEST(Trainer, DrawsBAnewWhenTheRatesStartAnew) {
+  Fixture fixture;
+  fixture.options.rate_period = 2;
+  fixture.options.level_reach = 0.0;
+  fixture.options.rate_f = fixture.options.rate_certificates = 1e-9;  // nothing else changes a weight
+  fixture.options.weight_decay = 0.0;
+  std::vector<Networks> rounds;
+  Trainer trainer = fixture.trainer(5);
+  trainer.on_round([&](const RoundSummary&, const Trainer& t) {
+    rounds.push_back(t.networks());
+    return true;
+  });
+  trainer.run();
+  const auto moved = [&](std::size_t round, LayerStack Networks::*network) {
+    return ((rounds[round].*network).layers[0].weight - (rounds[round - 1].*network).layers[0].weight).norm();
+  };
+  ASSERT_EQ(rounds.size(), 5U);  // warm start and four rounds
+  for (std::size_t round : {1, 2, 4}) EXPECT_LT(moved(round, &Networks::B), 1e-4) << round;
+  EXPECT_GT(moved(3, &Networks::B), 0.5);
+  for (std::size_t round : {1, 2, 3, 4}) {
+    EXPECT_LT(moved(round, &Networks::f), 1e-4) << round;
+    EXPECT_LT(moved(round, &Networks::V), 1e-4) << round;
+  }
+}
+
 TEST(Trainer, StopsWhenTheCallbackSaysSo) {
   Fixture fixture;
   Trainer trainer = fixture.trainer(1);

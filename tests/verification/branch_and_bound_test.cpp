@@ -75,6 +75,38 @@ TEST(BranchAndBound, StopsAfterTheLevelOfTheFirstAbandonedBox) {
   EXPECT_NEAR(none.open_volume, 1.0, 1e-12);
 }
 
+// Finds a violation in the lowest corner once the box there is narrow, and never decides anything else.
+class CornerRefuter final : public BoxExaminer {
+ public:
+  void examine(BoxBatch& batch) override {
+    for (Eigen::Index row = batch.first; row < batch.first + batch.count; ++row) {
+      if (batch.upper.row(row).maxCoeff() > 0.25) continue;
+      batch.status[static_cast<std::size_t>(row)] = BoxStatus::refuted;
+      batch.violation(row) = 1.0;
+    }
+  }
+};
+
+TEST(BranchAndBound, StopsSoManyBoxesAfterTheFirstRefutedOne) {
+  const auto run = [](std::int64_t after) {
+    BranchLimits limits;
+    limits.max_boxes = 100000;
+    limits.max_after_refuted = after;
+    return branch_and_bound(
+        Points::Zero(1, 2), Points::Ones(1, 2), [] { return std::make_unique<CornerRefuter>(); }, limits);
+  };
+  // Levels of 1, 2, 4, 8, 16 boxes; one of the last is refuted, 30 go on.
+  EXPECT_EQ(run(0).boxes, 31);
+  EXPECT_EQ(run(15).boxes, 31);
+  EXPECT_EQ(run(16).boxes, 31 + 30);
+  EXPECT_EQ(run(16 + 30).boxes, 31 + 30 + 60);
+  const BranchResult result = run(0);
+  EXPECT_TRUE(result.stopped);
+  EXPECT_FALSE(result.proved);
+  EXPECT_EQ(result.witnesses.rows(), 1);
+  EXPECT_NEAR(result.open_volume, 1.0, 1e-12);
+}
+
 TEST(BranchAndBound, NoCutAtAllIsAnError) { EXPECT_ANY_THROW(cut(0, {})); }
 
 }  // namespace
