@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "progress.h"
 #include "python_script.h"
@@ -12,6 +13,7 @@
 #include "s2nnds/deployment/cpp_header.h"
 #include "s2nnds/deployment/onnx.h"
 #include "s2nnds/deployment/torchscript.h"
+#include "s2nnds/evaluation/trajectory_metrics.h"
 #include "s2nnds/runs/pipeline.h"
 #include "s2nnds/runs/threads.h"
 
@@ -23,6 +25,29 @@ namespace fs = std::filesystem;
 void report(const RunRecord& record, const std::string& path, const CommonArguments& common) {
   print_summary(record, path);
   if (common.json) fmt::print("{}\n", summary_json(record, path));
+}
+
+using nlohmann::ordered_json;
+
+// The errors of each demonstration of a split, one line each; the same for --json.
+ordered_json report_demonstrations(const Setup& setup, const LayerStack& f, const std::string& split) {
+  const std::vector<std::int64_t>& members = split == "train"  ? setup.split.train
+                                             : split == "test" ? setup.split.test
+                                                               : setup.split.validation;
+  ordered_json rows = ordered_json::array();
+  for (const std::int64_t k : members) {
+    const Demonstration& demonstration = setup.demonstrations[static_cast<std::size_t>(k)];
+    const MotionErrors errors = motion_errors(f, {demonstration}, setup.config.evaluation.rollout);
+    fmt::print("  demonstration {} ({}): mse {:.4g}, sd {:.4g}, dtw {:.4g} (normalised units)\n", k, split,
+               errors.mse, errors.sd, errors.dtw);
+    rows.push_back({{"demonstration", k},
+                    {"split", split},
+                    {"mse", errors.mse},
+                    {"sd", errors.sd},
+                    {"dtw", errors.dtw},
+                    {"dtw_independent", errors.dtw_independent}});
+  }
+  return rows;
 }
 
 // Whether the run has at least the guarantee that its configuration asks for.
@@ -153,7 +178,17 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
   const Setup setup = set_up(record, data_directory(common.data));
   s2nnds::evaluate(setup, record);
   save_run(arguments.run, record);
-  report(record, arguments.run, common);
+  print_summary(record, arguments.run);
+  ordered_json demonstrations = ordered_json::array();
+  for (const std::string& split : arguments.splits) {
+    for (ordered_json& row : report_demonstrations(setup, record.networks.f, split))
+      demonstrations.push_back(std::move(row));
+  }
+  if (common.json) {
+    ordered_json summary = ordered_json::parse(summary_json(record, arguments.run));
+    if (!arguments.splits.empty()) summary["demonstrations"] = demonstrations;
+    fmt::print("{}\n", summary.dump());
+  }
   return exit_code(setup, record);
 }
 

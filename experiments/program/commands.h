@@ -38,6 +38,8 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common);
 
 struct EvaluateArguments {
   std::string run;
+  // Of train, test, validation: those whose demonstrations' errors are told one by one.
+  std::vector<std::string> splits;
 };
 int evaluate(const EvaluateArguments& arguments, const CommonArguments& common);
 

@@ -57,6 +57,9 @@ int run(int argc, char** argv) {
   EvaluateArguments evaluation;
   sub = command("evaluate", "measure errors and safe areas of a stored run");
   sub->add_option("run", evaluation.run, "run file")->required();
+  sub->add_option("--splits", evaluation.splits,
+                  "train, test, validation: also the errors of each demonstration of these")
+      ->check(CLI::IsMember({"train", "test", "validation"}));
   sub->callback([&] { code = evaluate(evaluation, common); });
 
   ExportArguments policy;

@@ -264,6 +264,20 @@ class EvaluateTest(ProgramTest):
         self.assertGreater(report["safe_area"], 0.0)
         self.assertLessEqual(report["safe_area"], report["true_safe_area"])
 
+    def test_evaluate_tells_the_demonstrations_of_splits_apart(self):
+        run = self.certified()
+        code, out, err = self.call("evaluate", run, "--splits", "test", "train", "--json")
+        self.assertEqual((code, err), (3, ""))
+        rows = json.loads(out.splitlines()[-1])["demonstrations"]
+        with h5py.File(run) as file:
+            wanted = [("test", k) for k in file["data/test"][()]] + [("train", k) for k in file["data/train"][()]]
+            self.assertEqual([(row["split"], row["demonstration"]) for row in rows], wanted)
+            for row in rows:
+                d = file[f"data/demonstrations/{row['demonstration']}"]
+                square = np.mean(np.sum((-d["position"][()] - d["velocity"][()]) ** 2, axis=1))
+                self.assertAlmostEqual(row["mse"], square, places=9)
+        self.assert_refused(self.call("evaluate", run, "--splits", "tests"), "tests")
+
 
 if __name__ == "__main__":
     command_line.main()
