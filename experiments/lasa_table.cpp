@@ -65,6 +65,7 @@ struct Columns {
     }
     conformal += passed;
     const json& seconds = summary["seconds"];
+    of["first"].push_back(seconds.value("first_clean_round", HUGE_VAL));
     of["train"].push_back(seconds.at("training"));
     of["proof"].push_back(seconds.value("proof", std::nan("")));
     of["boxes"].push_back(proof_boxes(summary));
@@ -81,15 +82,16 @@ json run(const Arguments& arguments) {
     for (Trial& trial : trials_of(motion, arguments)) trials.push_back(std::move(trial));
   const std::vector<TrialResult> results = run_trials(trials, arguments);
 
-  Table guarantees({"motion", "invariant", "conformal", "train s", "rounds", "proof s", "boxes", "safe area",
-                    "of true", "margin"});
-  Table accuracy({"motion", "test MSE", "test SD", "test DTW", "mean of 5 splits", "best", "uncertified mean",
-                  "price", "GP mean", "published"});
+  Table guarantees({"motion", "invariant", "conformal", "first s", "train s", "rounds", "proof s", "boxes",
+                    "safe area", "of true", "margin"});
+  Table accuracy({"motion", "train MSE", "test MSE", "test SD", "test DTW", "splits invariant",
+                  "mean of splits", "best", "uncertified mean", "price", "GP mean", "published"});
   Columns all;
   json runs = json::array();
   for (const Motion& motion : kMotions) {
     Columns own;
     std::vector<double> certified, free;
+    int invariant_splits = 0;
     for (const TrialResult& result : results) {
       if (result.trial.config != std::string("lasa/") + motion.name + ".toml") continue;
       runs.push_back(result.summary);
@@ -97,28 +99,31 @@ json run(const Arguments& arguments) {
       const std::string& name = result.trial.name;
       const bool split = name.find("-test") != std::string::npos, without = name.ends_with("-uncertified");
       if (split) (without ? free : certified).push_back(result.summary["mse_test"]);
+      invariant_splits += split && result.summary["guarantee"] == "invariant";
       if (split || without) continue;
       own.add(result.summary);
       all.add(result.summary);
     }
     guarantees.add({motion.name, fmt::format("{}/{}", own.invariant, own.runs),
-                    fmt::format("{}/{}", own.conformal, own.runs), fmt::format("{:.0f}", own.middle("train")),
-                    fmt::format("{:.0f}", own.middle("rounds")), fmt::format("{:.2f}", own.middle("proof")),
-                    fmt::format("{:.0f}", own.middle("boxes")),
+                    fmt::format("{}/{}", own.conformal, own.runs), fmt::format("{:.0f}", own.middle("first")),
+                    fmt::format("{:.0f}", own.middle("train")), fmt::format("{:.0f}", own.middle("rounds")),
+                    fmt::format("{:.2f}", own.middle("proof")), fmt::format("{:.0f}", own.middle("boxes")),
                     fmt::format("{:.2f}", own.middle("safe_area")),
                     fmt::format("{:.3f}", own.middle("safe_area_ratio")),
                     fmt::format("{:.2g}", own.middle("disturbance_margin"))});
-    accuracy.add({motion.name, fmt::format("{:.4f}", own.middle("mse_test")),
-                  fmt::format("{:.3f}", own.middle("sd_test")), fmt::format("{:.4f}", own.middle("dtw_test")),
+    accuracy.add({motion.name, fmt::format("{:.4f}", own.middle("mse_train")),
+                  fmt::format("{:.4f}", own.middle("mse_test")), fmt::format("{:.3f}", own.middle("sd_test")),
+                  fmt::format("{:.4f}", own.middle("dtw_test")),
+                  fmt::format("{}/{}", invariant_splits, certified.size()),
                   fmt::format("{:.4f}", mean(certified)),
                   fmt::format("{:.4f}", *std::min_element(certified.begin(), certified.end())),
                   fmt::format("{:.4f}", mean(free)), fmt::format("{:.2f}", mean(certified) / mean(free)),
                   fmt::format("{:.4f}", motion.gp_mean), fmt::format("{:.3f}", motion.published)});
   }
   guarantees.add({"all", fmt::format("{}/{}", all.invariant, all.runs),
-                  fmt::format("{}/{}", all.conformal, all.runs), fmt::format("{:.0f}", all.middle("train")),
-                  fmt::format("{:.0f}", all.middle("rounds")), fmt::format("{:.2f}", all.middle("proof")),
-                  fmt::format("{:.0f}", all.middle("boxes")), "",
+                  fmt::format("{}/{}", all.conformal, all.runs), fmt::format("{:.0f}", all.middle("first")),
+                  fmt::format("{:.0f}", all.middle("train")), fmt::format("{:.0f}", all.middle("rounds")),
+                  fmt::format("{:.2f}", all.middle("proof")), fmt::format("{:.0f}", all.middle("boxes")), "",
                   fmt::format("{:.3f}", all.middle("safe_area_ratio")),
                   fmt::format("{:.2g}", all.middle("disturbance_margin"))});
   const Table robustness = table_of_robustness(results, arguments);

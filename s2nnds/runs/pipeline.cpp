@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -199,6 +200,19 @@ RunRecord new_record(const Setup& setup, const std::string& text) {
   return record;
 }
 
+namespace {
+
+// From here on the run has networks without counterexamples of any source: where the prover is one, proved.
+void note_first_clean_round(const std::vector<RoundSummary>& history, std::int64_t min_rounds,
+                            RunRecord& record) {
+  const auto first = std::find_if(history.begin(), history.end(), [&](const RoundSummary& row) {
+    return row.clean() && row.round >= min_rounds;
+  });
+  if (first != history.end()) set_timing(record, "first_clean_round", first->seconds);
+}
+
+}  // namespace
+
 TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks& hooks) {
   const Config& config = setup.config;
   Trainer trainer(setup.problem, setup.train(), config.networks, config.training, config.seed);
@@ -225,6 +239,7 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
     TrainerState state = current.state();
     state.history.back().seconds += before;
     store_trainer_state(state, record);
+    note_first_clean_round(state.history, config.training.min_rounds, record);
     if (hooks.progress) hooks.progress(state.history.back());
     if (hooks.checkpoint) hooks.checkpoint(record);
     return std::isfinite(row.loss);
