@@ -10,7 +10,7 @@ import time
 import command_line
 import h5py
 import numpy as np
-from command_line import CLOCKS, SINE, ProgramTest, differences, settings
+from command_line import CLOCKS, FAR_OBSTACLE, SINE, ProgramTest, differences, settings
 
 KEYS = (
     "name seed guarantee conditions seconds mse_train mse_test sd_test safe_area true_safe_area run".split()
@@ -93,6 +93,29 @@ class ResumeTest(ProgramTest):
         with open(run, "rb") as file:
             self.assertEqual(file.read(), before)
         self.assertEqual(differences(run, self.path("other.h5")), [])
+
+
+class TimingTest(ProgramTest):
+    def first_clean_round(self, changes):
+        """What the run says, and what its history says: the end of the first round, from 2, without counterexamples."""
+        with h5py.File(self.trained(changes={"training.min_rounds": 2, **changes})) as file:
+            history = {name: column[:] for name, column in file["history"].items()}
+            told = file["timing"].attrs.get("first_clean_round")
+        found = sum(column for name, column in history.items() if name.startswith("count_"))
+        clean = [second for k, second in enumerate(history["seconds"]) if k >= 2 and found[k] == 0]
+        return told, clean[0] if clean else None
+
+    def test_when_the_first_clean_round_ended(self):
+        told, expected = self.first_clean_round(
+            {**FAR_OBSTACLE, "training.steps": 300, "training.samples": 200, "training.rounds": 8}
+        )
+        self.assertIsNotNone(expected)
+        self.assertEqual(told, expected)
+
+    def test_no_time_without_a_clean_round(self):
+        told, expected = self.first_clean_round({})
+        self.assertIsNone(expected)
+        self.assertIsNone(told)
 
 
 class JsonTest(ProgramTest):
