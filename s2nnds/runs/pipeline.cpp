@@ -2,7 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -200,19 +199,6 @@ RunRecord new_record(const Setup& setup, const std::string& text) {
   return record;
 }
 
-namespace {
-
-// From here on the run has networks without counterexamples of any source: where the prover is one, proved.
-void note_first_clean_round(const std::vector<RoundSummary>& history, std::int64_t min_rounds,
-                            RunRecord& record) {
-  const auto first = std::find_if(history.begin(), history.end(), [&](const RoundSummary& row) {
-    return row.clean() && row.round >= min_rounds;
-  });
-  if (first != history.end()) set_timing(record, "first_clean_round", first->seconds);
-}
-
-}  // namespace
-
 TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks& hooks) {
   const Config& config = setup.config;
   Trainer trainer(setup.problem, setup.train(), config.networks, config.training, config.seed);
@@ -229,24 +215,17 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
   }
   trainer.set_rollout_labels(
       [&](const LayerStack& f, const Points& starts) { return rollout_is_safe(f, setup.problem, starts); });
-  double before = 0.0;
-  if (record.checkpoint) {
-    const TrainerState state = to_trainer_state(record);
-    before = state.history.empty() ? 0.0 : state.history.back().seconds;
-    trainer.restore(state);
-  }
+  if (record.checkpoint) trainer.restore(to_trainer_state(record));
   trainer.on_round([&](const RoundSummary& row, const Trainer& current) {
-    TrainerState state = current.state();
-    state.history.back().seconds += before;
-    store_trainer_state(state, record);
-    note_first_clean_round(state.history, config.training.min_rounds, record);
-    if (hooks.progress) hooks.progress(state.history.back());
+    store_trainer_state(current.state(), record);
+    // All rounds after it grow B. Where the prover is a source, everything is proved from here on.
+    if (row.clean() && !row.growing && row.round >= config.training.min_rounds)
+      set_timing(record, "first_clean_round", row.seconds);
+    if (hooks.progress) hooks.progress(row);
     if (hooks.checkpoint) hooks.checkpoint(record);
     return std::isfinite(row.loss);
   });
-  TrainerSummary summary = trainer.run();
-  TrainerState state = trainer.state();
-  summary.seconds += before;
+  const TrainerSummary summary = trainer.run();
   record.checkpoint->finished = true;
   set_timing(record, "training", summary.seconds);
   record.certificate = {};

@@ -64,8 +64,9 @@ class Trainer::Impl {
 
   TrainerSummary run(const Trainer& owner) {
     const auto begin = std::chrono::steady_clock::now();
+    const double earlier = history_.empty() ? 0.0 : history_.back().seconds;
     const auto seconds = [&] {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      return earlier + std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     };
     TrainerSummary summary;
     summary.left_out_samples = sampler_.left_out_samples();

@@ -26,7 +26,7 @@ struct RoundSummary {
   std::int64_t pool = 0;                               // counterexamples kept for training
   double safe_share = 0.0;                             // of the label points, those with safe rollouts
   bool growing = false;                                // trained B alone; kept only if clean
-  double seconds = 0.0;                                // since the start of this process's training
+  double seconds = 0.0;                                // of training since its start, interruptions left out
 
   std::int64_t counterexamples() const;
   bool clean() const { return round > 0 && counterexamples() == 0; }

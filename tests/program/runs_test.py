@@ -77,6 +77,8 @@ class ResumeTest(ProgramTest):
                 code, _, err = self.call(*self.begin(out))
                 self.assertIn(code, (0, 3), err)
                 self.assertEqual(differences(unbroken, out), [])
+                with h5py.File(out) as file:  # the clock goes on as well
+                    self.assertTrue(np.all(np.diff(file["history/seconds"][:]) > 0.0))
 
     def test_resuming_a_finished_run_changes_nothing(self):
         unbroken, again = self.trained("a.h5"), self.trained("b.h5")
