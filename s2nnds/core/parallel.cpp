@@ -4,6 +4,7 @@
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <memory>
 
@@ -30,7 +31,8 @@ std::unique_ptr<Pool>& pool() {
 thread_local bool in_loop = false;
 struct Inside {
   Inside() { in_loop = true; }
-  ~Inside() { in_loop = false; }
+  ~Inside() { in_loop = before; }
+  const bool before = in_loop;
 };
 
 }  // namespace
@@ -59,6 +61,30 @@ void parallel_for(std::ptrdiff_t count, const std::function<void(std::ptrdiff_t,
         },
         tbb::simple_partitioner());
   });
+}
+
+class SideTask::Group : public tbb::task_group {};
+
+SideTask::SideTask() : group_(std::make_unique<Group>()) {}
+
+SideTask::~SideTask() {
+  try {
+    wait();
+  } catch (...) {  // whoever leaves without wait() is on the way out with an exception already
+  }
+}
+
+void SideTask::start(std::function<void()> work) {
+  pool()->arena.execute([&] {
+    group_->run([work = std::move(work)] {
+      const Inside inside;
+      work();
+    });
+  });
+}
+
+void SideTask::wait() {
+  pool()->arena.execute([&] { group_->wait(); });
 }
 
 }  // namespace s2nnds

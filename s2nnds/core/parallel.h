@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 
 namespace s2nnds {
 
@@ -15,5 +16,22 @@ int thread_count();
 // the loop and is rethrown. A loop within a loop runs in the thread that meets it. Threads that find no work
 // sleep, so that processes which share the cores do not hold each other up.
 void parallel_for(std::ptrdiff_t count, const std::function<void(std::ptrdiff_t index, int worker)>& body);
+
+// One piece of work beside the caller's, on the same threads as the loops: a thread that is free takes it up,
+// and if none is before wait(), wait() does it. Loops within it run in its own thread.
+class SideTask {
+ public:
+  SideTask();
+  ~SideTask();  // waits; what the work threw is then lost
+  SideTask(const SideTask&) = delete;
+  SideTask& operator=(const SideTask&) = delete;
+
+  void start(std::function<void()> work);  // after wait(), if something was started before
+  void wait();                             // rethrows what the work threw; at once if nothing was started
+
+ private:
+  class Group;
+  std::unique_ptr<Group> group_;
+};
 
 }  // namespace s2nnds

@@ -179,15 +179,32 @@ const char* const policy_kernels_source = R"cpp(
     template <typename Real>
     static void of(PackOf<Real>&) noexcept {}
   };
+  // x (1 + p1 x^2 + ... + p4 x^8) / (1 + q1 x^2 + ... + q4 x^8), fitted to tanh on [-9, 9] in the largest
+  // absolute error: 2.1e-8, and 3.6e-7 with the roundings of float. Beyond, tanh is 1 to within 3.1e-8.
+  inline void rational_tanh(PackOf<float>& z) noexcept {
+    constexpr float end = 9.0F;
+    z = z > end ? PackOf<float>{} + end : z;  // NaN stays NaN
+    z = z < -end ? PackOf<float>{} - end : z;
+    const PackOf<float> t = z * z;
+    const PackOf<float> p =
+        (((1.333800359e-8F * t + 2.059605140e-5F) * t + 3.494756762e-3F) * t + 1.338031590e-1F) * t + 1.0F;
+    const PackOf<float> q =
+        (((7.769438071e-7F * t + 3.284301492e-4F) * t + 2.587378584e-2F) * t + 4.671363235e-1F) * t + 1.0F;
+    z = z * p / q;
+  }
   struct Tanh {
     template <typename Real>
     static void of(PackOf<Real>& z) noexcept {
-      constexpr Real ceiling = Constants<Real>::tanh_ceiling;
-      PackOf<Real> x = z < Real(0) ? -z : z, exp, e;
-      x = x > ceiling ? PackOf<Real>{} + ceiling : x;
-      exp_of_negative<Real>(x * Real(-2), exp, e);
-      const PackOf<Real> value = -e / (e + Real(2));
-      z = z < Real(0) ? -value : value;
+      if constexpr (sizeof(Real) == sizeof(float)) {
+        rational_tanh(z);
+      } else {
+        constexpr Real ceiling = Constants<Real>::tanh_ceiling;
+        PackOf<Real> x = z < Real(0) ? -z : z, exp, e;
+        x = x > ceiling ? PackOf<Real>{} + ceiling : x;
+        exp_of_negative<Real>(x * Real(-2), exp, e);
+        const PackOf<Real> value = -e / (e + Real(2));
+        z = z < Real(0) ? -value : value;
+      }
     }
   };
   struct Elu {

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
 #include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/level.h"
@@ -171,9 +172,21 @@ class Trainer::Impl {
     JointLoss loss(modules_, plan.loss, plan.only_barrier ? Trains::barrier : Trains::all);
     const std::size_t first_trained = plan.only_barrier ? 2 : 0;
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
+    const auto seeks_band = [&](std::int64_t step) { return step % options_.batch.band_refresh == 0; };
+    BatchTensors batch, next;
+    SideTask drawing;  // of the next step's batch, while a step runs
     for (std::int64_t step = 0; step < options_.steps; ++step) {
-      if (step % options_.batch.band_refresh == 0) seek_band(candidates);
-      const LossTerms terms = loss(tensors(sampler_.draw(random)));
+      if (seeks_band(step)) {
+        seek_band(candidates);
+        batch = tensors(sampler_.draw(random));
+      } else {
+        drawing.wait();
+        batch = std::move(next);
+      }
+      if (step + 1 < options_.steps && !seeks_band(step + 1)) {
+        drawing.start([&] { next = tensors(sampler_.draw(random)); });
+      }
+      const LossTerms terms = loss(batch);
       for (torch::Tensor& parameter : parameters) parameter.mutable_grad() = torch::Tensor();
       terms.total.backward();
       for (std::size_t k = first_trained; k < optimizers.size(); ++k) {

@@ -59,6 +59,48 @@ TEST_P(Parallel, DoesNothingForNothing) {
   parallel_for(0, [](std::ptrdiff_t, int) { FAIL(); });
 }
 
+TEST_P(Parallel, SideTaskRunsBesideLoopsAndHasEndedAfterWait) {
+  SideTask side;
+  side.wait();  // nothing was started
+  for (int round = 0; round < 50; ++round) {
+    int drawn = 0;
+    side.start([&] {
+      parallel_for(10, [&](std::ptrdiff_t, int) { ++drawn; });  // in the task's own thread
+    });
+    std::atomic<int> looped = 0;
+    parallel_for(20, [&](std::ptrdiff_t, int) { ++looped; });
+    side.wait();
+    EXPECT_EQ(drawn, 10);
+    EXPECT_EQ(looped, 20);
+  }
+}
+
+TEST_P(Parallel, SideTaskRethrowsAndCanBeUsedAgain) {
+  SideTask side;
+  side.start([] { throw std::runtime_error("side"); });
+  EXPECT_THROW(side.wait(), std::runtime_error);
+  bool done = false;
+  side.start([&] { done = true; });
+  side.wait();
+  EXPECT_TRUE(done);
+}
+
+TEST_P(Parallel, SideTaskEndsBeforeItsOwner) {
+  std::atomic<int> ended = 0;
+  {
+    SideTask side;
+    side.start([&] { ++ended; });
+  }
+  {
+    SideTask side;
+    side.start([&] {
+      ++ended;
+      throw std::runtime_error("lost");
+    });
+  }
+  EXPECT_EQ(ended, 2);
+}
+
 INSTANTIATE_TEST_SUITE_P(Threads, Parallel, testing::Values(1, 2, 3));
 
 TEST(UseThreads, RefusesANegativeNumber) { EXPECT_THROW(use_threads(-1), Error); }

@@ -159,6 +159,25 @@ TEST_F(CppHeader, OneLayerAndThePapersForm) {
   expect_same(networks, HeaderPrecision::float64, 1e-13, "-O0");
 }
 
+// float32_error counts on eight units in the last place of 1.
+TEST_F(CppHeader, TanhInFloatIsWithinWhatTheBoundAllows) {
+  Networks networks = random_networks(2, Activation::tanh, random_);
+  Layer layer;  // f(x) = tanh(x)
+  layer.weight = Points::Identity(2, 2);
+  layer.activation = Activation::tanh;
+  networks.f = {};
+  networks.f.layers = {layer};
+  export_cpp_header(networks, random_policy_info(2), HeaderPrecision::float32, path("policy.h"));
+  Points z(20000, 2);
+  z.col(0).setLinSpaced(-12.0, 12.0);
+  z.col(1) = (Vector::LinSpaced(z.rows(), -20.0, 2.0).array() * std::log(10.0)).exp();
+  for (const char* flags : {"-O1", kFast}) {
+    const Points error = ask(40.0 * z, flags).velocity / 25.0 - networks.f.value(z);
+    EXPECT_LE(error.cwiseAbs().maxCoeff(), 16.0 * 0x1p-24) << flags;
+    EXPECT_LE((error.col(1).array() / z.col(1).array()).abs().maxCoeff(), 16.0 * 0x1p-24) << flags;
+  }
+}
+
 TEST_F(CppHeader, TheGoalIsAnEquilibriumExactly) {
   const Networks networks = random_networks(2, Activation::silu, random_);
   for (const HeaderPrecision precision : {HeaderPrecision::float32, HeaderPrecision::float64}) {
