@@ -84,12 +84,15 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
   std::vector<Eigen::Index> kept;
   Eigen::Index i = 0;
   for (const Demonstration& demonstration : demonstrations) {
-    // A demonstration through the obstacle must be bent away from it, which takes room.
+    // A demonstration through the obstacle must be bent away from it, which takes room; but deep inside,
+    // where no safe motion comes, f may follow it.
     const bool meets = problem.unsafe->level(demonstration.position).minCoeff() <= 0.0;
-    const Vector reach = Vector::Constant(problem.dimension(), meets ? 2.0 * keep_clear : keep_clear);
+    const Vector near = Vector::Constant(problem.dimension(), keep_clear), reach = (meets ? 2.0 : 1.0) * near;
     for (Eigen::Index k = 0; k < demonstration.samples(); ++k, ++i) {
       const Vector x = position.row(i);
-      if (keep_clear == 0.0 || !may_meet(*problem.unsafe, {x - reach, x + reach}, 8)) kept.push_back(i);
+      if (keep_clear == 0.0 || problem.unsafe->classify({x - near, x + near}) == Location::inside ||
+          !may_meet(*problem.unsafe, {x - reach, x + reach}, 8))
+        kept.push_back(i);
     }
   }
   check(!kept.empty(), "training: every demonstration sample lies within keep_clear = {} of the unsafe set",

@@ -28,7 +28,7 @@ struct CounterexamplePools {
 class BatchSampler {
  public:
   // `keep_clear`: demonstration samples nearer to the unsafe set than this, per axis, are left out; twice as
-  // near for demonstrations that pass through it.
+  // near for demonstrations that pass through it, unless they lie within it by that much.
   BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
                const BatchOptions& options, double keep_clear);
 

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/level.h"
+#include "s2nnds/training/smoothed_velocity.h"
 #include "s2nnds/training/warm_start.h"
 
 namespace s2nnds {
@@ -21,6 +23,11 @@ namespace {
 constexpr std::int64_t kBandCandidates = 20000;  // points among which those near {B = 0} are sought
 // Factors of the labels' weight after a growth round that failed, and after one that did not.
 constexpr double kGrowthRetreat = 0.5, kGrowthAdvance = 1.5;
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
 // What a round trains, how fast and towards what.
 struct RoundPlan {
@@ -50,25 +57,25 @@ class Trainer::Impl {
   Impl(const SafetyProblem& problem, std::vector<Demonstration> demonstrations,
        const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed)
       : problem_(problem),
-        demonstrations_(std::move(demonstrations)),
         network_options_(networks),
         options_(options),
         seed_(seed),
-        sampler_(problem, demonstrations_, options.batch, options.keep_clear),
+        sampler_(problem, smoothed(std::move(demonstrations), options.smoothing), options.batch,
+                 options.keep_clear),
         level_(problem, {.band = options.band, .reach = options.level_reach}) {
     RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
     modules_.f = make_field(1);
     modules_.V = Lyapunov(problem.dimension(), networks.V, start_v);
     modules_.B = Barrier(problem.dimension(), networks.B, start_b);
     set_engine();
+    preparation_ = seconds_since(begin_);
   }
 
   TrainerSummary run(const Trainer& owner) {
-    const auto begin = std::chrono::steady_clock::now();
-    const double earlier = history_.empty() ? 0.0 : history_.back().seconds;
-    const auto seconds = [&] {
-      return earlier + std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    };
+    const auto begin = Clock::now();
+    const double earlier =
+        std::exchange(preparation_, 0.0) + (history_.empty() ? 0.0 : history_.back().seconds);
+    const auto seconds = [&] { return earlier + seconds_since(begin); };
     TrainerSummary summary;
     summary.left_out_samples = sampler_.left_out_samples();
     if (history_.empty()) {
@@ -323,8 +330,9 @@ class Trainer::Impl {
     row.pool = pools.workspace.rows() + pools.initial.rows() + pools.unsafe.rows();
   }
 
+  const Clock::time_point begin_ = Clock::now();
+  double preparation_ = 0.0;  // seconds that the constructor took
   const SafetyProblem& problem_;
-  std::vector<Demonstration> demonstrations_;
   NetworkOptions network_options_;
   TrainerOptions options_;
   std::uint64_t seed_;

@@ -73,6 +73,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("clip", clip, above(0.0));
   v.field("weight_decay", weight_decay, at_least(0.0));
   v.field("label_points", label_points, at_least(0));
+  v.field("smoothing", smoothing, between(0.0, 1.0));
   v.field("keep_clear", keep_clear, at_least(0.0));
   v.field("samples", samples, at_least(1));
   v.field("pool_additions", pool_additions, at_least(1));
@@ -90,7 +91,7 @@ TrainerOptions paper_training() {
   options.rate_rise = 1;
   options.redraw_barrier = false;
   options.level_reach = 0.0;
-  options.keep_clear = 0.0;
+  options.smoothing = options.keep_clear = 0.0;
   options.weight_decay = options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
                   .mse = 10.0,

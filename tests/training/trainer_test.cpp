@@ -231,6 +231,24 @@ TEST(BatchSampler, LeavesOutSamplesNearTheObstacleAndOnlyThose) {
   EXPECT_GE(kept.rows(), far);
 }
 
+TEST(BatchSampler, KeepsSamplesDeepInsideTheObstacle) {
+  Fixture fixture;
+  ProblemOptions p;
+  p.unsafe.type = "box";
+  const Vector through = fixture.demonstrations[0].position.row(400);
+  p.unsafe.lower = {through[0] - 0.1, through[1] - 0.1};
+  p.unsafe.upper = {through[0] + 0.1, through[1] + 0.1};
+  const SafetyProblem problem = make_problem(p, fixture.demonstrations);
+  const BatchSampler sampler(problem, fixture.demonstrations, {}, 0.04);
+  const auto distance = [&](const Points& x) {  // per axis, from the obstacle's centre
+    return Vector((x.rowwise() - through.transpose()).cwiseAbs().rowwise().maxCoeff());
+  };
+  const Vector kept = distance(sampler.position()), all = distance(stack_positions(fixture.demonstrations));
+  EXPECT_GT((kept.array() < 0.06).count(), 0);
+  EXPECT_EQ((kept.array() < 0.06 - 1e-9).count(), (all.array() < 0.06 - 1e-9).count());
+  EXPECT_EQ((kept.array() > 0.06 + 1e-9 && kept.array() < 0.14 - 1e-9).count(), 0);
+}
+
 TEST(BatchSampler, DrawsEverySetFromItself) {
   Fixture fixture;
   const BatchSampler sampler(fixture.problem, fixture.demonstrations, fixture.options.batch, 0.05);

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "s2nnds/data/demonstration.h"
+
+namespace s2nnds {
+
+// The demonstrations with velocities (1 - share) v + share g(x), 0 <= share <= 1: g is the mean of a Gaussian
+// process fitted to all of them, so what one demonstration does otherwise than its neighbours counts less.
+// Squared-exponential kernel of unit variance, zero prior mean; its length and the noise are those among a
+// few settings that predict left-out demonstrations best (Rasmussen and Williams, Gaussian Processes for
+// Machine Learning, 2006, equation 2.25). Normalised units. Nothing changes with share 0 or one
+// demonstration.
+std::vector<Demonstration> smoothed(std::vector<Demonstration> demonstrations, double share);
+
+}  // namespace s2nnds
