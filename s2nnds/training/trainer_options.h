@@ -33,7 +33,7 @@ struct WarmStartOptions {
 //   LR_a(Bdot - margin_band) on X.
 struct LossOptions {
   std::string kind = "robust";
-  double mse = 20.0;
+  double mse = 10.0;
   double lyapunov = 5.0;
   double separation = 2.0;
   double band = 5.0;
