@@ -112,7 +112,7 @@ BENCHMARK(proof)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime()
     ->ArgsProduct({{2}, {32, 64, 128, 256}})
-    ->ArgsProduct({{3, 4}, {64}});
+    ->ArgsProduct({{3, 4, 5, 6}, {64}});
 
 // The proof of the run file that $S2NNDS_RUN names.
 void proof_of_run(benchmark::State& state) {
