@@ -3,7 +3,7 @@
 // as the robot records them: CSV, `time,x,y,dx,dy`, a row a millisecond, in metres. The robot's own
 // recordings are not public; the five files are made here and written to OUT/recordings.
 //
-// Expected: every seed of the planar motion `invariant`, two of three of the 3-D one.
+// Expected: every seed of both motions `invariant`.
 //
 // Usage: multi_obstacle --data DIR [--out FOLDER] [--quick]
 #include <fmt/core.h>
