@@ -226,6 +226,9 @@ class Trainer::Impl {
     const auto age = static_cast<double>((round - 1) % options_.rate_period);
     RoundPlan plan = {false, std::max(options_.rate_floor, std::pow(options_.rate_decay, age)),
                       options_.loss};
+    const auto restarts = static_cast<double>((round - 1) / options_.rate_period);
+    plan.loss.mse *= std::pow(options_.restart_mse, restarts);
+    plan.loss.labels *= std::pow(options_.restart_labels, restarts);
     const std::int64_t mending = starts_anew(round) ? 0 : mending_round();
     if (mending == 0) return plan;
     plan.rate *= options_.mend_rate;

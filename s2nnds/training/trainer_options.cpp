@@ -60,6 +60,8 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("rate_rise", rate_rise, at_least(1));
   v.field("rate_period", rate_period, at_least(1));
   v.field("redraw_barrier", redraw_barrier);
+  v.field("restart_mse", restart_mse, between(0.0, 1.0));
+  v.field("restart_labels", restart_labels, between(0.0, 1.0));
   v.field("mend_rounds", mend_rounds, at_least(0));
   v.field("mend_below", mend_below, at_least(1));
   v.field("mend_rate", mend_rate, above(0.0));
@@ -90,6 +92,7 @@ TrainerOptions paper_training() {
   options.mend_rounds = options.growth_rounds = 0;
   options.rate_rise = 1;
   options.redraw_barrier = false;
+  options.restart_mse = options.restart_labels = 1.0;
   options.level_reach = 0.0;
   options.smoothing = options.keep_clear = 0.0;
   options.weight_decay = options.warm_start.weight_decay = 0.0;

@@ -9,8 +9,8 @@ namespace s2nnds {
 
 // The first fit of f to the demonstrations alone (METHOD: warm start).
 struct WarmStartOptions {
-  std::int64_t steps = 4000;  // Adam steps, cosine decay of the rate to 0
-  std::int64_t batch = 512;   // demonstration samples a step
+  std::int64_t steps = 12000;  // Adam steps, cosine decay of the rate to 0
+  std::int64_t batch = 512;    // demonstration samples a step
   double rate = 2e-3;
   double weight_decay = 0.1;  // decoupled (AdamW), of all weights of f
   double clip = 1.0;          // norm of the gradient
@@ -84,6 +84,11 @@ struct TrainerOptions {
   std::int64_t rate_period =
       10;  // rounds after which the decay starts anew: small rates do not leave a bad shape
   bool redraw_barrier = true;  // B starts anew with the rates: no training mends some shapes
+  // Factors of the demonstrations' and the labels' weight, once more each time the rates start anew: what
+  // could not be certified must give way somewhere. Where motions fan out before the obstacle, those that
+  // meet it come through a gap so narrow that labels which fill it leave no room for B to fall.
+  double restart_mse = 0.5;
+  double restart_labels = 0.3;
   // A round after one in which random search found fewer counterexamples than this mends: its rates are
   // lower, and the labels, which press {B = 0} against the motions where Bdot < 0 is hard to meet, weigh less
   // with every such round. So many rounds may mend in a row, then one follows at full rates.
@@ -97,7 +102,7 @@ struct TrainerOptions {
   double level_reach = 0.1;
   // Rounds after the first clean one that train B alone, with f and V as they are and the labels weighing
   // more, so that the safe set grows; what such a round makes of B is kept only if it is clean as well.
-  std::int64_t growth_rounds = 5;
+  std::int64_t growth_rounds = 8;
   double growth_labels = 4.0;        // factor of the labels' weight, at most; less after such a round failed
   double growth_margins = 2.0;       // factor of the separation's and the band's weights
   double growth_rate = 0.5;          // factor of B's rate

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "s2nnds/core/check.h"
@@ -169,6 +170,28 @@ TEST(Trainer, DrawsBAnewWhenTheRatesStartAnew) {
   for (std::size_t round : {1, 2, 3, 4}) {
     EXPECT_LT(moved(round, &Networks::f), 1e-4) << round;
     EXPECT_LT(moved(round, &Networks::V), 1e-4) << round;
+  }
+}
+
+TEST(Trainer, DemonstrationsAndLabelsWeighLessWithEveryRestart) {
+  Fixture fixture;
+  TrainerOptions& options = fixture.options;
+  options.rounds = options.min_rounds = 6;
+  options.rate_period = 2;
+  options.mend_rounds = 0;
+  options.restart_mse = 0.25;
+  options.restart_labels = 0.0;
+  Trainer trainer = fixture.trainer(5);
+  trainer.run();
+  const std::vector<RoundSummary> history = trainer.state().history;
+  ASSERT_EQ(history.size(), 7U);  // warm start and six rounds
+  for (std::size_t round : {1, 2, 3, 4, 5, 6}) {
+    const RoundSummary& row = history[round];
+    const int restarts = static_cast<int>(round - 1) / 2;
+    const double others = row.lyapunov + row.separation + row.band + row.labels;  // with their weights
+    const double expected = std::pow(0.25, restarts) * options.loss.mse * row.mse + others;
+    EXPECT_NEAR(row.loss, expected, 1e-4 * row.loss) << round;
+    EXPECT_EQ(row.labels == 0.0, restarts > 0) << round;
   }
 }
 
