@@ -3,9 +3,10 @@
 
     plot_sweep.py SWEEP-FOLDER/table.h5 --out DIR [--format png|pdf]
 
-axes: the objective against every axis, a dot a trial, the median a line. pareto: training time against error, and error
-against the share of the truly safe area that is kept, with what no other trial beats in both. Prints the paths it
-wrote; exit code 2 and one line on stderr when the table or the folder cannot be used.
+axes: the objective against every axis, a dot a trial, the median a line; with several problems as a factor of each one's
+own median, which would hide the axis otherwise. problems: the objective of each problem. pareto: training time against
+error, and error against the share of the truly safe area that is kept, with what no other trial beats in both. Prints
+the paths it wrote; exit code 2 and one line on stderr when the table or the folder cannot be used.
 """
 
 import argparse
@@ -75,52 +76,87 @@ def medians(x, y):
     return np.array([np.median(x[g]) for g in groups]), np.array([np.median(y[g]) for g in groups])
 
 
-def draw_axis(ax, sweep, name, shown):
-    y = sweep[sweep.objective][shown]
-    reached = sweep.reached()[shown]
-    column = sweep[name][shown]
-    if column.dtype.kind == "O":
-        texts = in_order(column)
-        x = np.array([texts.index(text) for text in column], dtype=float)
-        ax.set_xticks(range(len(texts)), [short(text) for text in texts], rotation=20 if len(texts) > 3 else 0, fontsize=8)
-        ax.set_xlim(-0.5, len(texts) - 0.5)
-    else:
-        x = column
-        if spread(x):
+def place(ax, column):
+    """The column's places along x; texts one after another, with their names below."""
+    if column.dtype.kind != "O":
+        if spread(column):
             ax.set_xscale("log")
+        return column
+    texts = in_order(column)
+    crowded = len(texts) > 3 or max(map(len, texts)) > 14
+    ax.set_xticks(range(len(texts)), [short(text) for text in texts], rotation=40 if crowded else 0, fontsize=8)
+    ax.set_xlim(-0.5, len(texts) - 0.5)
+    return np.array([texts.index(text) for text in column], dtype=float)
+
+
+def draw_axis(ax, x, y, reached, name):
+    x = place(ax, x)
     scatter(ax, x, y, reached)
     ax.plot(*medians(x, y), color="#222222", linewidth=1.4, zorder=4)
-    if spread(y):
-        ax.set_yscale("log")
     ax.set_xlabel(name, fontsize=9)
     ax.grid(alpha=0.3)
 
 
+def shown_trials(sweep):
+    return sweep.done() & np.isfinite(sweep[sweep.objective]) if sweep.objective in sweep else np.zeros(0, bool)
+
+
+def as_factors(values, problems):
+    """Each value over the median of its own problem."""
+    factors = np.empty_like(values)
+    for problem in set(problems):
+        of_it = problems == problem
+        factors[of_it] = values[of_it] / np.median(values[of_it])
+    return factors
+
+
 def draw_axes(sweep):
-    """One panel an axis; problems and seeds are axes too."""
-    shown = sweep.done() & np.isfinite(sweep[sweep.objective]) if sweep.objective in sweep else np.zeros(0, bool)
-    names = [name for name in [*sweep.axes, "config", "seed"] if len(set(sweep[name])) > 1]
+    """One panel an axis; seeds are an axis too."""
+    shown = shown_trials(sweep)
+    names = [name for name in [*sweep.axes, "seed"] if len(set(sweep[name])) > 1]
     if not shown.any() or not names:
         return None
+    y, text = sweep[sweep.objective][shown], label(sweep.objective)
+    factors = len(set(sweep["config"])) > 1 and np.all(y > 0)
+    if factors:
+        y, text = as_factors(y, sweep["config"][shown]), f"{text} / problem's median"
     columns = min(3, len(names))
     rows = -(-len(names) // columns)
     figure, panels = plt.subplots(
         rows, columns, figsize=(3.4 * columns + 0.6, 2.9 * rows + 0.7), squeeze=False, sharey=True, layout="constrained"
     )
-    for k, name in enumerate(names):
-        draw_axis(panels.flat[k], sweep, name, shown)
+    for panel, name in zip(panels.flat, names):
+        draw_axis(panel, sweep[name][shown], y, sweep.reached()[shown], name)
+    if factors or spread(y):
+        panels[0][0].set_yscale("log")
     for row in panels:
-        row[0].set_ylabel(label(sweep.objective))
+        row[0].set_ylabel(text, fontsize=9)
     for panel in panels.flat[len(names) :]:
         panel.set_visible(False)
-    figure.suptitle(legend_text(sweep, shown))
+    figure.suptitle(legend_text(sweep, shown) + "; line: median")
+    return figure
+
+
+def draw_problems(sweep):
+    """The objective of each problem, a dot a trial."""
+    shown = shown_trials(sweep)
+    if not shown.any() or len(set(sweep["config"])) < 2:
+        return None
+    figure, ax = plt.subplots(figsize=(max(4.6, 0.42 * len(set(sweep["config"])) + 1.6), 4.2), layout="constrained")
+    y = sweep[sweep.objective][shown]
+    scatter(ax, place(ax, sweep["config"][shown]), y, sweep.reached()[shown])
+    if spread(y):
+        ax.set_yscale("log")
+    ax.set_ylabel(label(sweep.objective))
+    ax.grid(alpha=0.3)
+    ax.set_title(legend_text(sweep, shown))
     return figure
 
 
 def legend_text(sweep, shown):
     counted = f"{int((sweep.reached() & shown).sum())} of {int(shown.sum())} trials"
     wanted = "ended without an error" if sweep.guarantee == "none" else f"reached `{sweep.guarantee}` (dots, others crosses)"
-    return f"{sweep.name}: {counted} {wanted}; line: median"
+    return f"{sweep.name}: {counted} {wanted}"
 
 
 def draw_front(ax, sweep, x_name, y_name, shown, sign_x=1.0):
@@ -178,7 +214,7 @@ def main(arguments=None):
         sweep = Sweep(options.table)
         os.makedirs(options.out, exist_ok=True)
         with plt.rc_context(STYLE):
-            for name, draw in (("axes", draw_axes), ("pareto", draw_pareto)):
+            for name, draw in (("axes", draw_axes), ("problems", draw_problems), ("pareto", draw_pareto)):
                 figure = draw(sweep)
                 if figure is None:
                     continue

@@ -86,9 +86,13 @@ class SweepTest(unittest.TestCase):
 
     def test_figures(self):
         write_table(self.table)
-        self.assertEqual(self.draw(), (0, ["axes.png", "pareto.png"], ""))
-        for name in ("axes.png", "pareto.png"):
+        self.assertEqual(self.draw(), (0, ["axes.png", "problems.png", "pareto.png"], ""))
+        for name in ("axes.png", "problems.png", "pareto.png"):
             self.assertGreater(os.path.getsize(os.path.join(self.folder, "figures", name)), 8000)
+
+    def test_factors_of_each_problems_median(self):
+        values, problems = np.array([1.0, 10.0, 2.0, 20.0, 4.0]), np.array(["a", "b", "a", "b", "a"], dtype=object)
+        np.testing.assert_allclose(plot_sweep.as_factors(values, problems), [0.5, 2 / 3, 1.0, 4 / 3, 2.0])
 
     def test_nothing_to_draw(self):
         write_table(self.table, status=np.array(["failed"] * 24, dtype=object))
