@@ -129,6 +129,9 @@ def draw_axes(sweep):
         draw_axis(panel, sweep[name][shown], y, sweep.reached()[shown], name)
     if factors or spread(y):
         panels[0][0].set_yscale("log")
+    if factors:
+        panels[0][0].yaxis.set_major_formatter("{x:g}")
+        panels[0][0].yaxis.set_minor_formatter("{x:g}")
     for row in panels:
         row[0].set_ylabel(text, fontsize=9)
     for panel in panels.flat[len(names) :]:

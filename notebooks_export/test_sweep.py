@@ -131,7 +131,7 @@ class SweepTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr[-2000:])
         with open(os.path.join(self.folder, "sweep.ipynb"), encoding="utf-8") as file:
             executed = file.read()
-        self.assertEqual(executed.count('"image/png"'), 3)
+        self.assertEqual(executed.count('"image/png"'), 4)
         self.assertIn("covers the goal", executed)
 
 
