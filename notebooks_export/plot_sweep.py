@@ -27,6 +27,7 @@ REACHED, MISSED, FRONT = "#0a7d0a", "#b3261e", "#1f4fd1"
 STYLE = {"figure.dpi": 150, "savefig.dpi": 150, "font.size": 10, "axes.titlesize": 11, "axes.axisbelow": True}
 LABELS = {
     "mse_train": "training MSE",
+    "dtw_train": "training DTW",
     "mse_validation": "validation MSE",
     "seconds": "seconds a trial",
     "seconds_training": "training time, s",
@@ -158,7 +159,8 @@ def draw_problems(sweep):
 
 def legend_text(sweep, shown):
     counted = f"{int((sweep.reached() & shown).sum())} of {int(shown.sum())} trials"
-    wanted = "ended without an error" if sweep.guarantee == "none" else f"reached `{sweep.guarantee}` (dots, others crosses)"
+    near = f" with DTW ≤ {sweep.dtw_limit:g}" if sweep.dtw_limit > 0 else ""
+    wanted = "ended without an error" if sweep.guarantee == "none" else f"reached `{sweep.guarantee}`{near} (dots, others crosses)"
     return f"{sweep.name}: {counted} {wanted}"
 
 

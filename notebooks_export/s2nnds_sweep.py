@@ -23,6 +23,7 @@ class Sweep:
             with h5py.File(path, "r") as file:
                 for name in ("name", "objective", "direction", "guarantee", "share"):
                     setattr(self, name, file.attrs[name])
+                self.dtw_limit = float(file.attrs.get("dtw_limit", 0.0))  # tables of before had none
                 self.axes = [str(name) for name in file.attrs["axes"]]
                 self.names = [str(name) for name in file.attrs["columns"]]
                 self._columns = {name: self._column(file["trials"][name]) for name in self.names}
@@ -52,11 +53,11 @@ class Sweep:
         return self["status"] == "done"
 
     def reached(self):
-        """[trials] those with the sweep's guarantee."""
-        return self["meets_guarantee"] == 1.0
+        """[trials] those with the sweep's guarantee, by a motion within its dtw_limit."""
+        return self["counts"] == 1.0
 
     def ranking(self):
-        """(point, share with the guarantee, objective) of the last rung's points, as the program ranks them."""
+        """(point, share that counts, objective) of the last rung's points, as the program ranks them."""
         last = self["rung"] == self["rung"].max()
         rows = []
         for point in np.unique(self["point"][last]):

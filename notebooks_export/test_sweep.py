@@ -36,7 +36,7 @@ def write_table(path, trials=24, guarantee="proved", **changes):
         "status": np.array(["failed"] + ["done"] * (trials - 1), dtype=object),
         "error": np.array(["problem.unsafe: covers the goal"] + [""] * (trials - 1), dtype=object),
         "guarantee": np.array(["none"] + ["proved", "invariant", "none"] * trials, dtype=object)[:trials],
-        "meets_guarantee": np.array(([0.0] + [1.0, 1.0, 0.0] * trials)[:trials]),
+        "counts": np.array(([0.0] + [1.0, 1.0, 0.0] * trials)[:trials]),
         "seconds": rng.uniform(5, 90, trials),
         "mse_validation": np.where(np.arange(trials) == 0, np.nan, 0.01 + kappa * rng.uniform(0.01, 0.2, trials)),
         "safe_area_ratio": rng.uniform(0.4, 1.0, trials),
@@ -74,7 +74,7 @@ class SweepTest(unittest.TestCase):
 
     def test_ranking_is_that_of_the_program(self):
         """As tests/sweeps/ranking_test.cpp: the guarantee's share first, then the geometric mean."""
-        write_table(self.table, 6, meets_guarantee=np.array([0, 0, 1, 0, 1, 1.0]), status=np.array(["done"] * 6, dtype=object),
+        write_table(self.table, 6, counts=np.array([0, 0, 1, 0, 1, 1.0]), status=np.array(["done"] * 6, dtype=object),
                     mse_validation=np.array([0.001, 0.001, 0.4, 0.1, 0.01, 0.09]))
         ranking = Sweep(self.table).ranking()
         self.assertEqual([row[0] for row in ranking], [2, 1, 0])
@@ -99,7 +99,7 @@ class SweepTest(unittest.TestCase):
         self.assertEqual(self.draw(), (0, [], ""))
 
     def test_no_trial_has_the_guarantee(self):
-        write_table(self.table, meets_guarantee=np.zeros(24))
+        write_table(self.table, counts=np.zeros(24))
         self.assertEqual(self.draw()[0], 0)
 
     def test_bad_tables(self):

@@ -62,8 +62,9 @@ void print_summary(const RunRecord& record, const std::string& path) {
     fmt::print("\n");
   }
   const EvaluationSummary& e = record.evaluation;
-  fmt::print("  mse train {} test {}, sd test {}, dtw test {} (normalised units)\n", figure(e.mse_train),
-             figure(e.mse_test), figure(e.sd_test), figure(e.dtw_test));
+  fmt::print("  mse train {} test {}, sd test {}, dtw train {} test {} (normalised units)\n",
+             figure(e.mse_train), figure(e.mse_test), figure(e.sd_test), figure(e.dtw_train),
+             figure(e.dtw_test));
   fmt::print("  safe area {} of {} that is truly safe (ratio {})\n", figure(e.safe_area),
              figure(e.true_safe_area), figure(e.safe_area_ratio));
   for (const auto& [name, seconds] : record.timing) fmt::print("  {} {}", name, figure(seconds, " s"));

@@ -30,7 +30,7 @@ void SweepProgress::take(const TrialResult& result) {
   ++ended_;
   failed_ += result.failed ? 1 : 0;
   const double value = result.metric(sweep_.options.objective);
-  if (!meets_guarantee(sweep_.options, result) || !std::isfinite(value)) return;
+  if (!counts(sweep_.options, result) || !std::isfinite(value)) return;
   const double sign = sweep_.options.direction == "maximize" ? -1.0 : 1.0;
   if (!best_ || sign * value < sign * best_->metric(sweep_.options.objective)) best_ = result;
 }

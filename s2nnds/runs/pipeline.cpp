@@ -273,6 +273,7 @@ void evaluate(const Setup& setup, RunRecord& record) {
   EvaluationSummary summary;
   summary.mse_train = train_errors.mse;
   summary.sd_train = train_errors.sd;
+  summary.dtw_train = train_errors.dtw;
   if (!setup.split.test.empty()) {
     const MotionErrors test = motion_errors(networks.f, setup.test(), rollout);
     summary.mse_test = test.mse;
@@ -429,6 +430,7 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   json["mse_validation"] = real(e.mse_validation);
   json["sd_train"] = real(e.sd_train);
   json["sd_test"] = real(e.sd_test);
+  json["dtw_train"] = real(e.dtw_train);
   json["dtw_test"] = real(e.dtw_test);
   json["dtw_independent_test"] = real(e.dtw_independent_test);
   json["safe_area"] = real(e.safe_area);

@@ -317,6 +317,15 @@ void check_record_of(const std::string& path, const RunRecord& record) {
   }
 }
 
+// What not every run file has under /evaluation; NaN: not measured.
+void write_optional(Hdf5Writer& file, const std::string& name, double value) {
+  if (!std::isnan(value)) file.write_attribute("/evaluation", name, value);
+}
+
+void read_optional(const Hdf5Reader& file, const std::string& name, double& value) {
+  if (file.has_attribute("/evaluation", name)) value = file.number_attribute("/evaluation", name);
+}
+
 }  // namespace
 
 std::vector<Demonstration> RunData::normalized() const {
@@ -403,8 +412,8 @@ void save_run(const std::string& path, const RunRecord& record) {
   for (const auto& [name, corners] : record.open_boxes)
     file.write("/certificate/open_boxes/" + name, corners);
   write_fields(file, "/evaluation", record.evaluation);
-  const double mse_validation = record.evaluation.mse_validation;
-  if (!std::isnan(mse_validation)) file.write_attribute("/evaluation", "mse_validation", mse_validation);
+  write_optional(file, "mse_validation", record.evaluation.mse_validation);
+  write_optional(file, "dtw_train", record.evaluation.dtw_train);
   write_numbers(file, "/timing", record.timing);
   write(file, record.rollouts);
   if (record.grid) write(file, *record.grid);
@@ -435,9 +444,8 @@ RunRecord load_run(const std::string& path) {
     }
   }
   record.evaluation = read_fields<EvaluationSummary>(file, "/evaluation");
-  if (file.has_attribute("/evaluation", "mse_validation")) {
-    record.evaluation.mse_validation = file.number_attribute("/evaluation", "mse_validation");
-  }
+  read_optional(file, "mse_validation", record.evaluation.mse_validation);
+  read_optional(file, "dtw_train", record.evaluation.dtw_train);
   record.timing = read_numbers(file, "/timing");
   record.rollouts = read_rollouts(file);
   if (file.exists("/grid")) record.grid = read_grid(file, record.data.dimension);

@@ -49,7 +49,8 @@ struct RunProblem {
 // Figures of a motion's quality; NaN: not measured.
 struct EvaluationSummary {
   double mse_validation =
-      std::numeric_limits<double>::quiet_NaN();  // of runs that hold demonstrations out for it
+      std::numeric_limits<double>::quiet_NaN();                 // of runs that hold demonstrations out for it
+  double dtw_train = std::numeric_limits<double>::quiet_NaN();  // not in run files of before
   double mse_train = std::numeric_limits<double>::quiet_NaN();
   double mse_test = std::numeric_limits<double>::quiet_NaN();
   double sd_train = std::numeric_limits<double>::quiet_NaN();
@@ -60,7 +61,7 @@ struct EvaluationSummary {
   double true_safe_area = std::numeric_limits<double>::quiet_NaN();
   double safe_area_ratio = std::numeric_limits<double>::quiet_NaN();
 
-  void visit(FieldVisitor& v);  // all but mse_validation, which few runs have
+  void visit(FieldVisitor& v);  // all but mse_validation and dtw_train, which not every run file has
 };
 
 struct StoredRollout {

@@ -28,7 +28,7 @@ PointScore score(const Sweep& sweep, std::int64_t point, const std::vector<const
   for (const TrialResult* result : results) {
     score.failed += result->failed ? 1 : 0;
     if (result->failed) continue;
-    met += meets_guarantee(sweep.options, *result) ? 1 : 0;
+    met += counts(sweep.options, *result) ? 1 : 0;
     const double value = result->metric(sweep.options.objective);
     if (std::isfinite(value)) values.push_back(value);
   }
@@ -40,8 +40,9 @@ PointScore score(const Sweep& sweep, std::int64_t point, const std::vector<const
 
 }  // namespace
 
-bool meets_guarantee(const SweepOptions& options, const TrialResult& result) {
-  return !result.failed && guarantee_from(result.guarantee) >= guarantee_from(options.guarantee);
+bool counts(const SweepOptions& options, const TrialResult& result) {
+  return !result.failed && guarantee_from(result.guarantee) >= guarantee_from(options.guarantee) &&
+         (options.dtw_limit == 0.0 || result.metric("dtw_train") <= options.dtw_limit);
 }
 
 std::vector<PointScore> rank_points(const Sweep& sweep, const std::vector<TrialResult>& results) {

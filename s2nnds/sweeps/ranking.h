@@ -13,14 +13,14 @@ struct PointScore {
   std::int64_t point = 0;
   std::int64_t trials = 0;  // with a result
   std::int64_t failed = 0;
-  double share = 0.0;      // of the trials that should be there, those with at least the wanted guarantee
+  double share = 0.0;      // of the trials that should be there, those that count
   bool feasible = false;   // share is at least the wanted one
   double objective = 0.0;  // geometric mean over the trials, whose problems differ in scale; the arithmetic
                            // one when a value is not positive; NaN when nothing was measured
 };
 
-// Whether the result has the sweep's guarantee.
-bool meets_guarantee(const SweepOptions& options, const TrialResult& result);
+// Whether the result has the sweep's guarantee, by a motion that goes the demonstrations' way (dtw_limit).
+bool counts(const SweepOptions& options, const TrialResult& result);
 
 // Best first: feasible points by the objective, then the others by their share and by the objective.
 // `results` are of one rung.

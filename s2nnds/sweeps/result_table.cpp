@@ -123,8 +123,8 @@ ResultTable make_table(const Sweep& sweep, const SweepState& state) {
       texts("error", rows, [](const Row& row) { return row.result == nullptr ? "" : row.result->error; }));
   columns.push_back(texts("guarantee", rows,
                           [](const Row& row) { return row.result == nullptr ? "" : row.result->guarantee; }));
-  columns.push_back(numbers("meets_guarantee", rows, [&](const Row& row) {
-    return row.result != nullptr && meets_guarantee(sweep.options, *row.result) ? 1.0 : 0.0;
+  columns.push_back(numbers("counts", rows, [&](const Row& row) {
+    return row.result != nullptr && counts(sweep.options, *row.result) ? 1.0 : 0.0;
   }));
   columns.push_back(numbers(
       "seconds", rows, [](const Row& row) { return row.result == nullptr ? nothing : row.result->seconds; }));
@@ -159,6 +159,7 @@ void write_table(const std::string& path, const ResultTable& table, const SweepO
   file.write_attribute("/", "objective", options.objective);
   file.write_attribute("/", "direction", options.direction);
   file.write_attribute("/", "guarantee", options.guarantee);
+  file.write_attribute("/", "dtw_limit", options.dtw_limit);
   file.write_attribute("/", "share", options.share);
   file.write_attribute("/", "axes", table.axes);
   file.write_attribute("/", "columns", names);

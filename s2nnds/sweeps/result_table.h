@@ -9,7 +9,7 @@
 namespace s2nnds {
 
 // One row a trial: trial, rung, point, config, seed, every axis, status (done, failed, missing), error,
-// guarantee, meets_guarantee, seconds, every metric, run (the run file, relative to the sweep's folder).
+// guarantee, counts, seconds, every metric, run (the run file, relative to the sweep's folder).
 struct TableColumn {
   std::string name;
   bool is_text = false;

@@ -38,10 +38,11 @@ void SweepOptions::visit(FieldVisitor& v) {
   v.field("points", points, between(0, 1'000'000));
   v.field("design_seed", design_seed, at_least(0));
   v.field("objective", objective,
-          {"mse_train", "mse_validation", "sd_train", "safe_area", "safe_area_ratio", "disturbance_margin",
-           "convergence_radius", "rounds", "seconds"});
+          {"mse_train", "mse_validation", "sd_train", "dtw_train", "safe_area", "safe_area_ratio",
+           "disturbance_margin", "convergence_radius", "rounds", "seconds"});
   v.field("direction", direction, {"minimize", "maximize"});
   v.field("guarantee", guarantee, {"none", "sampled", "conformal", "proved", "invariant"});
+  v.field("dtw_limit", dtw_limit, at_least(0.0));
   v.field("share", share, between(0.0, 1.0));
   v.field("threads", threads, at_least(1));
   v.field("retries", retries, between(0, 100));

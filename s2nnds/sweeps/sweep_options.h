@@ -34,7 +34,9 @@ struct SweepOptions {
   std::string objective = "mse_train";
   std::string direction = "minimize";
   std::string guarantee = "none";  // the least guarantee that counts
-  double share = 1.0;              // of a point's runs that must have it
+  double dtw_limit = 0.0;  // the most a run's dtw_train may be to count: a certificate can be of a motion
+                           // that passes the obstacle on the other side than the demonstrations; 0: any
+  double share = 1.0;  // of a point's runs that must count
 
   std::int64_t threads = 1;  // a trial
   std::int64_t retries = 2;  // of a trial whose process was killed; it goes on from its last round

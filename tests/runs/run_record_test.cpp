@@ -91,6 +91,7 @@ RunRecord unusual_record() {
              .witness = {0.5, -0.5},
              .seconds = c.next()};
   r.evaluation = {.mse_validation = c.next(),
+                  .dtw_train = c.next(),
                   .mse_train = c.next(),
                   .mse_test = c.next(),
                   .sd_train = c.next(),
@@ -182,6 +183,7 @@ TEST(RunRecord, EverythingComesBack) {
   EXPECT_EQ(flatten(a.certificate), flatten(b.certificate));
   EXPECT_EQ(flatten(a.evaluation), flatten(b.evaluation));
   EXPECT_EQ(a.evaluation.mse_validation, b.evaluation.mse_validation);
+  EXPECT_EQ(a.evaluation.dtw_train, b.evaluation.dtw_train);
   EXPECT_EQ(a.timing, b.timing);
   ASSERT_EQ(a.rollouts.size(), b.rollouts.size());
   for (std::size_t k = 0; k < a.rollouts.size(); ++k) {

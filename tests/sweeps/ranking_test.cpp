@@ -47,6 +47,22 @@ TEST(Ranking, GuaranteeFirstThenTheObjective) {
   EXPECT_EQ(order(rank_points(sweep, results)), (std::vector<std::int64_t>{1, 2, 0}));
 }
 
+TEST(Ranking, MotionsThatGoAnotherWayDoNotCount) {
+  Sweep sweep = three_points();
+  sweep.options.dtw_limit = 0.1;
+  TrialResult near = result(0, "invariant", 0.1);
+  near.metrics.emplace_back("dtw_train", 0.1);
+  TrialResult far = near;
+  far.metrics.back().second = 0.11;
+  EXPECT_TRUE(counts(sweep.options, near));
+  EXPECT_FALSE(counts(sweep.options, far));
+  EXPECT_FALSE(counts(sweep.options, result(0, "invariant", 0.1)));  // not measured
+  near.guarantee = "sampled";
+  EXPECT_FALSE(counts(sweep.options, near));
+  sweep.options.dtw_limit = 0.0;
+  EXPECT_TRUE(counts(sweep.options, far));
+}
+
 TEST(Ranking, MissingAndFailedTrialsCountAgainstAPoint) {
   const Sweep sweep = three_points();
   TrialResult failed = result(2, "invariant", 0.001);
