@@ -4,8 +4,8 @@
     optuna_sweep.py SWEEP.toml --trials 50 --out FOLDER [--data DIR] [--program s2nnds] [--threads 1]
 
 Reads the sweep's axes, settings, configurations, seeds, objective and guarantee; the design is Optuna's. A trial is one
-point on every configuration and seed; its value is the objective's geometric mean, its constraint the share of runs with
-the guarantee. The study lies in FOLDER/optuna.db, every run beside it; the same command goes on. Needs optuna (pip).
+point on every configuration and seed; its value is the objective's geometric mean, its constraint the share of runs
+that count. The study lies in FOLDER/optuna.db, every run beside it; the same command goes on. Needs optuna (pip).
 """
 
 import argparse
@@ -65,8 +65,16 @@ def mean(values):
     return sum(values) / len(values)
 
 
+def counts(sweep, summary):
+    """Whether a run has the guarantee and its motion stays as near to the demonstrations as dtw_limit says."""
+    limit = sweep.get("dtw_limit", 0.0)
+    distance = summary.get("dtw_train")
+    near = limit == 0.0 or (distance is not None and distance <= limit)
+    return near and GUARANTEES.index(summary["guarantee"]) >= GUARANTEES.index(sweep.get("guarantee", "none"))
+
+
 def evaluate(trial, sweep, options):
-    """(objective, share of the runs with the guarantee); an objective of None: nothing to tell."""
+    """(objective, share of the runs that count); an objective of None: nothing to tell."""
     settings = list(sweep.get("set", []))
     for key, axis in flat_axes(sweep.get("axes", {})):
         value = suggest(trial, key, axis)
@@ -80,8 +88,7 @@ def evaluate(trial, sweep, options):
             if summary is None or summary.get(sweep["objective"]) is None:
                 continue
             values.append(summary[sweep["objective"]])
-            wanted = sweep.get("guarantee", "none")
-            reached += GUARANTEES.index(summary["guarantee"]) >= GUARANTEES.index(wanted)
+            reached += counts(sweep, summary)
     return (mean(values) if values else None), reached / count
 
 
@@ -128,7 +135,7 @@ def main():
     complete = study.get_trials(states=(optuna.trial.TrialState.COMPLETE,))
     feasible = [trial for trial in complete if trial.user_attrs["share"] >= wanted_share]
     if not feasible:
-        print("no trial has the wanted share of the guarantee")
+        print("in no trial the wanted share of the runs counts")
         return 3
     best = (min if study.direction.name == "MINIMIZE" else max)(feasible, key=lambda trial: trial.value)
     print(json.dumps({"trial": best.number, sweep["objective"]: best.value, "settings": best.params}))

@@ -86,7 +86,8 @@ struct TrainerOptions {
   bool redraw_barrier = true;  // B starts anew with the rates: no training mends some shapes
   // Factors of the demonstrations' and the labels' weight, once more each time the rates start anew: what
   // could not be certified must give way somewhere. Where motions fan out before the obstacle, those that
-  // meet it come through a gap so narrow that labels which fill it leave no room for B to fall.
+  // meet it come through a gap so narrow that labels which fill it leave no room for B to fall. The motion
+  // that is certified then may pass the obstacle on the other side than the demonstrations.
   double restart_mse = 0.5;
   double restart_labels = 0.3;
   // A round after one in which random search found fewer counterexamples than this mends: its rates are

@@ -18,15 +18,15 @@ HAS_OPTUNA = subprocess.run([PYTHON, "-c", "import optuna"], capture_output=True
 
 @unittest.skipUnless(HAS_OPTUNA, f"{PYTHON} has no optuna")
 class OptunaTest(SweepTest):
-    def optuna(self, trials):
+    def optuna(self, trials, code=0):
         script = os.path.join(PROJECT, "notebooks_export/optuna_sweep.py")
         done = subprocess.run(
             [PYTHON, script, self.path("sweep.toml"), "--trials", str(trials), "--out", self.path("study"), "--program",
              command_line.PROGRAM],
             capture_output=True, text=True, timeout=300, check=False,
         )
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return json.loads(done.stdout.splitlines()[-1])
+        self.assertEqual(done.returncode, code, done.stderr)
+        return json.loads(done.stdout.splitlines()[-1]) if code == 0 else done.stdout
 
     def test_asks_and_tells_and_goes_on(self):
         axes = ('"training.rate_f" = { log_range = [1e-4, 1e-2] }\n"networks.f.hidden" = [[8], [4, 4]]\n'
@@ -43,6 +43,10 @@ class OptunaTest(SweepTest):
         self.assertEqual((best["mse_validation"], best["trial"]), (min(errors), errors.index(min(errors))))
         self.assertIn(best["settings"]["networks.f.hidden"], ("[8]", "[4, 4]"))
         self.assertIn(best["settings"]["training.steps"], range(5, 10))
+
+    def test_no_trial_that_counts_is_code_3(self):
+        self.write(sweep_text(seeds="[0]", dtw_limit=1e-9))
+        self.assertIn("in no trial", self.optuna(1, code=3))
 
 
 if __name__ == "__main__":

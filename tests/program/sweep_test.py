@@ -136,6 +136,20 @@ class LocalTest(SweepTest):
         self.write(sweep_text(seeds="[0]", guarantee='"sampled"'))
         self.sweep(codes=(3,))
 
+    def test_trials_whose_motion_goes_elsewhere_do_not_count(self):
+        self.write(sweep_text('"training.steps" = [1, 20]', seeds="[0]"))
+        self.sweep(codes=(0,))
+        near, far = sorted(float(row["dtw_train"]) for row in self.rows())
+        self.assertLess(near, far)
+        with h5py.File(self.run_file(0)) as file:
+            self.assertEqual(file["evaluation"].attrs["dtw_train"], float(self.rows()[0]["dtw_train"]))
+        self.write(sweep_text('"training.steps" = [1, 20]', seeds="[0]", dtw_limit=0.5 * (near + far)))
+        self.sweep(codes=(0,), out="limited")
+        self.assertEqual(sorted((float(row["dtw_train"]), row["counts"]) for row in self.rows("limited")),
+                         [(near, "1"), (far, "0")])
+        self.write(sweep_text('"training.steps" = [1, 20]', seeds="[0]", dtw_limit=0.5 * near))
+        self.sweep(codes=(3,), out="none")
+
     def test_halving_goes_on_where_the_rung_before_stopped(self):
         axes = '"training.rate_f" = { log_range = [1e-4, 1e-2], count = 4 }'
         changes = {"training.min_rounds": 3}  # so that none stops earlier
