@@ -46,6 +46,19 @@ std::string found(const toml::node& node) {
   return "a date or time " + toml_text(node);
 }
 
+// Stands above the values that with_overrides adds: they are on no line of the file that a message names.
+constexpr std::string_view kAdded = "# added settings\n";
+
+constexpr auto kNoLine = std::numeric_limits<toml::source_index>::max();
+
+// The line of that mark.
+toml::source_index line_of_added(const std::string& text) {
+  const auto at = text.find(kAdded);
+  if (at == std::string::npos || (at > 0 && text[at - 1] != '\n')) return kNoLine;
+  return static_cast<toml::source_index>(
+      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+}
+
 toml::table parse(const std::string& text, const std::string& source) {
   try {
     return toml::parse(text, source);
@@ -180,7 +193,8 @@ constexpr std::string_view expected_type<std::vector<std::string>> = "a list of 
 
 class TomlReader final : public NamedVisitor {
  public:
-  TomlReader(const toml::table& root, std::string source) : root_(root), source_(std::move(source)) {
+  TomlReader(const toml::table& root, std::string source, toml::source_index added)
+      : root_(root), source_(std::move(source)), added_(added) {
     tables_.push_back(&root_);
   }
 
@@ -232,6 +246,7 @@ class TomlReader final : public NamedVisitor {
  private:
   std::string where(const toml::node& node) const { return where(node.source()); }
   std::string where(const toml::source_region& region) const {
+    if (region.begin.line > added_) return fmt::format("{}, setting: ", source_);
     return fmt::format("{}:{}: ", source_, region.begin.line);
   }
 
@@ -334,6 +349,7 @@ class TomlReader final : public NamedVisitor {
 
   const toml::table& root_;
   std::string source_;
+  toml::source_index added_;
   std::vector<const toml::table*> tables_;  // those being visited; null where the file has none
   std::map<std::string, std::vector<std::string>> known_;  // names of fields and groups, by dotted prefix
 };
@@ -605,7 +621,7 @@ void collect_values(const toml::table& table, const std::string& prefix, const L
       collect_values(*inner, name + ".", lines, values);
     } else {
       const auto line = lines.find(name);
-      values.emplace(line != lines.end() ? line->second : std::numeric_limits<toml::source_index>::max(),
+      values.emplace(line != lines.end() ? line->second : kNoLine,
                      fmt::format("{} = {}\n", name, toml_text(node)));
     }
   }
@@ -615,7 +631,7 @@ void collect_values(const toml::table& table, const std::string& prefix, const L
 
 void options_detail::read_toml(const std::string& text, const std::string& source, AnyOptions& options) {
   const toml::table root = parse(text, source);
-  TomlReader reader(root, source);
+  TomlReader reader(root, source, line_of_added(text));
   options.visit(reader);
   reader.check_for_unknown_keys();
 }
@@ -648,15 +664,22 @@ std::string with_overrides(const std::string& text, const std::string& source,
   toml::table root = parse(text, source);
   Lines lines;
   collect_lines(root, "", lines);
+  std::erase_if(lines, [added = line_of_added(text)](const auto& line) { return line.second > added; });
   for (const std::string& assignment : assignments) assign(root, assignment);
   std::multimap<toml::source_index, std::string> values;
   collect_values(root, "", lines, values);
 
   std::string out;
   toml::source_index line = 1;
-  const auto last = static_cast<toml::source_index>(1 + std::count(text.begin(), text.end(), '\n'));
+  bool added = false;
   for (const auto& [wanted, value] : values) {
-    for (; line < std::min(wanted, last + 1); ++line) out += '\n';
+    if (wanted == kNoLine) {
+      if (!added) out += kAdded;
+      added = true;
+      out += value;
+      continue;
+    }
+    for (; line < wanted; ++line) out += '\n';
     out += value;
     ++line;
   }

@@ -145,9 +145,9 @@ std::vector<std::pair<std::string, std::string>> flatten(T options) {
 
 // The TOML `text` with "a.b.c=value" assignments applied, in order; a value that is not TOML counts as a
 // string, and a number within the key picks an element of an array ("of.0.radius"). Values keep the line that
-// they had in `text`, so that messages about them stay right; new ones follow after its last line; comments
-// go. Throws Error with `source` and line when `text` is not TOML, and naming the assignment that cannot be
-// made.
+// they had in `text`, so that messages about them stay right; new ones follow under a mark, by which messages
+// call them settings; comments go. Throws Error with `source` and line when `text` is not TOML, and naming
+// the assignment that cannot be made.
 std::string with_overrides(const std::string& text, const std::string& source,
                            const std::vector<std::string>& assignments);
 

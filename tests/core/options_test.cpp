@@ -349,6 +349,19 @@ TEST(WithOverrides, KeepsLineNumbers) {
             "my.toml:5: seed: expected an integer, found a string \"x\"");
 }
 
+TEST(WithOverrides, WhatItAddsIsOnNoLine) {
+  const std::string text = "seed = 1\n[training]\nrate = 0.1\n";
+  const std::string wrong = "my.toml, setting: unknown key training.roundz; did you mean training.rounds?";
+  EXPECT_EQ(error_of([&] { overridden(text, {"training.roundz=3"}); }), wrong);
+  EXPECT_EQ(error_of([&] {
+              overridden(text, {"name=x", "training.rounds=0"});
+            }),
+            "my.toml, setting: training.rounds: expected a number >= 1, found 0");
+  // Still so when it was added earlier, among others.
+  EXPECT_EQ(error_of([&] { overridden(with_overrides(text, "my.toml", {"training.roundz=3"}), {"name=x"}); }),
+            wrong);
+}
+
 TEST(WithOverrides, AValueThatIsNotTomlIsAString) {
   EXPECT_EQ(overridden("", {"name=one two"}).name, "one two");
   EXPECT_EQ(overridden("", {"name=a=b"}).name, "a=b");
