@@ -21,9 +21,8 @@ class Sweep:
         self.folder = os.path.dirname(os.path.abspath(path))
         try:
             with h5py.File(path, "r") as file:
-                for name in ("name", "objective", "direction", "guarantee", "share"):
+                for name in ("name", "objective", "direction", "guarantee", "dtw_limit", "share"):
                     setattr(self, name, file.attrs[name])
-                self.dtw_limit = float(file.attrs.get("dtw_limit", 0.0))  # tables of before had none
                 self.axes = [str(name) for name in file.attrs["axes"]]
                 self.names = [str(name) for name in file.attrs["columns"]]
                 self._columns = {name: self._column(file["trials"][name]) for name in self.names}

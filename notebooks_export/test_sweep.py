@@ -45,7 +45,7 @@ def write_table(path, trials=24, guarantee="proved", **changes):
         **changes,
     }
     with h5py.File(path, "w") as file:
-        file.attrs.update(name="made", objective="mse_validation", direction="minimize", guarantee=guarantee, share=0.5)
+        file.attrs.update(name="made", objective="mse_validation", direction="minimize", guarantee=guarantee, dtw_limit=0.1, share=0.5)
         text = h5py.string_dtype()
         file.attrs.create("axes", ["training.loss.kappa", "networks.f.hidden"], dtype=text)
         file.attrs.create("columns", list(columns), dtype=text)
