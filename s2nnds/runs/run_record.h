@@ -50,7 +50,7 @@ struct RunProblem {
 struct EvaluationSummary {
   double mse_validation =
       std::numeric_limits<double>::quiet_NaN();                 // of runs that hold demonstrations out for it
-  double dtw_train = std::numeric_limits<double>::quiet_NaN();  // not in run files of before
+  double dtw_train = std::numeric_limits<double>::quiet_NaN();  // older run files lack it
   double mse_train = std::numeric_limits<double>::quiet_NaN();
   double mse_test = std::numeric_limits<double>::quiet_NaN();
   double sd_train = std::numeric_limits<double>::quiet_NaN();
