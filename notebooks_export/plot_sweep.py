@@ -3,6 +3,8 @@
 
     plot_sweep.py SWEEP-FOLDER/table.h5 --out DIR [--format png|pdf]
 
+effects: what each axis does by itself from end to end of its range, or from a list's first value to another one, with two
+standard errors (only where the trials tell the axes apart).
 axes: the objective against every axis, a dot a trial, the median a line; with several problems as a factor of each one's
 own median, which would hide the axis otherwise. problems: the objective of each problem. pareto: training time against
 error, and error against the share of the truly safe area that is kept, with what no other trial beats in both. Prints
@@ -209,6 +211,33 @@ def draw_pareto(sweep):
     return figure
 
 
+def draw_effects(sweep):
+    """One panel a figure, one row an axis; what lies more than two standard errors from no effect is coloured."""
+    if not sweep.effects:
+        return None
+    texts = [f"{axis}\n{short(start)} → {short(end)}" for axis, start, end in sweep.effect_rows]
+    height = np.arange(len(texts))[::-1]
+    figure, panels = plt.subplots(
+        1,
+        len(sweep.effects),
+        figsize=(3.0 + 2.6 * len(sweep.effects), 1.2 + 0.36 * len(texts)),
+        squeeze=False,
+        sharey=True,
+        layout="constrained",
+    )
+    for panel, (name, effect) in zip(panels.flat, sweep.effects.items()):
+        none = 1.0 if effect.kind == "factor" else 0.0
+        clear = np.abs(effect.change - none) > 2 * effect.error
+        for mask, colour in ((clear, FRONT), (~clear, "#888888")):
+            panel.errorbar(effect.change[mask], height[mask], xerr=2 * effect.error[mask], fmt="o", color=colour, markersize=5)
+        panel.axvline(none, color="#222222", linewidth=1.0, zorder=1)
+        panel.set_title(f"{label(name)}\n{effect.kind}, {effect.trials} trials", fontsize=10)
+        panel.grid(alpha=0.3)
+    panels[0][0].set_yticks(height, texts, fontsize=8)
+    figure.suptitle(f"{sweep.name}: each axis from end to end, the others as they are; bars: two standard errors")
+    return figure
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("table")
@@ -219,7 +248,7 @@ def main(arguments=None):
         sweep = Sweep(options.table)
         os.makedirs(options.out, exist_ok=True)
         with plt.rc_context(STYLE):
-            for name, draw in (("axes", draw_axes), ("problems", draw_problems), ("pareto", draw_pareto)):
+            for name, draw in (("effects", draw_effects), ("axes", draw_axes), ("problems", draw_problems), ("pareto", draw_pareto)):
                 figure = draw(sweep)
                 if figure is None:
                     continue

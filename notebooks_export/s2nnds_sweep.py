@@ -4,12 +4,17 @@
     sweep = Sweep("recipe-sweep/table.h5")
     sweep["mse_validation"], sweep["training.loss.kappa"]    # one array a column, one entry a trial
     sweep.axes, sweep.objective, sweep.ranking()
+    sweep.effects["mse_validation"]    # Effect(kind, trials, change, error): what each axis does by itself, one entry a row
+    sweep.effect_rows                  # (axis, from, to) of these entries
 """
 
 import os
+from collections import namedtuple
 
 import h5py
 import numpy as np
+
+Effect = namedtuple("Effect", "kind trials change error")  # kind: factor or difference; error: the standard error of change
 
 
 class SweepError(Exception):
@@ -25,6 +30,10 @@ class Sweep:
                     setattr(self, name, file.attrs[name])
                 self.axes = [str(name) for name in file.attrs["axes"]]
                 self.names = [str(name) for name in file.attrs["columns"]]
+                effects = file["effects"]
+                texts = [effects[name].asstr()[()] for name in ("axis", "from", "to")]
+                self.effect_rows = [tuple(map(str, row)) for row in zip(*texts)]
+                self.effects = {str(name): self._effect(effects, name) for name in effects.attrs["figures"]}
                 self._columns = {name: self._column(file["trials"][name]) for name in self.names}
         except (OSError, KeyError) as error:
             raise SweepError(f"{path}: not the table of a sweep: {str(error).splitlines()[0]}") from error
@@ -32,6 +41,11 @@ class Sweep:
     @staticmethod
     def _column(item):
         return np.array(item.asstr()[()], dtype=object) if item.dtype.kind == "O" else item[()]
+
+    @staticmethod
+    def _effect(effects, name):
+        item = effects[name]
+        return Effect(str(item.attrs["kind"]), int(item.attrs["trials"]), item[()], effects[f"{name}_error"][()])
 
     def __getitem__(self, name):
         return self._columns[name]

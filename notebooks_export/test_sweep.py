@@ -21,7 +21,7 @@ from test_plot import synthetic_run
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
-def write_table(path, trials=24, guarantee="proved", **changes):
+def write_table(path, trials=24, guarantee="proved", told=("mse_validation", "counts"), **changes):
     rng = np.random.default_rng(3)
     point = np.arange(trials) // 2
     kappa = 10.0 ** rng.uniform(-2, 0, trials // 2)[point]
@@ -51,6 +51,14 @@ def write_table(path, trials=24, guarantee="proved", **changes):
         file.attrs.create("columns", list(columns), dtype=text)
         for name, values in columns.items():
             file.create_dataset(f"trials/{name}", data=values, dtype=text if values.dtype == object else None)
+        for name, texts in (("axis", ["training.loss.kappa", "networks.f.hidden"]), ("from", ["0.01", "[8]"]), ("to", ["1.0", "[32, 32]"])):
+            file.create_dataset(f"effects/{name}", data=np.array(texts, dtype=object), dtype=text)
+        for name in told:
+            kind, change = ("difference", [0.0, -0.2]) if name == "counts" else ("factor", [1.5, 1.01])
+            item = file.create_dataset(f"effects/{name}", data=np.array(change))
+            item.attrs.update(kind=kind, trials=trials)
+            file.create_dataset(f"effects/{name}_error", data=np.array([0.1, 0.02]))
+        file["effects"].attrs.create("figures", list(told), dtype=text)
 
 
 class SweepTest(unittest.TestCase):
@@ -70,6 +78,9 @@ class SweepTest(unittest.TestCase):
         sweep = Sweep(self.table)
         self.assertEqual((len(sweep), sweep.objective, int(sweep.done().sum())), (24, "mse_validation", 23))
         self.assertEqual(sweep["config"][1], "Worm")
+        self.assertEqual(sweep.effect_rows[1], ("networks.f.hidden", "[8]", "[32, 32]"))
+        effect = sweep.effects["counts"]
+        self.assertEqual((effect.kind, effect.trials, list(effect.change), list(effect.error)), ("difference", 24, [0, -0.2], [0.1, 0.02]))
         self.assertEqual(sweep.run(3), os.path.join(self.folder, "runs/0000/0000003.h5"))
 
     def test_ranking_is_that_of_the_program(self):
@@ -86,8 +97,8 @@ class SweepTest(unittest.TestCase):
 
     def test_figures(self):
         write_table(self.table)
-        self.assertEqual(self.draw(), (0, ["axes.png", "problems.png", "pareto.png"], ""))
-        for name in ("axes.png", "problems.png", "pareto.png"):
+        self.assertEqual(self.draw(), (0, ["effects.png", "axes.png", "problems.png", "pareto.png"], ""))
+        for name in ("effects.png", "axes.png", "problems.png", "pareto.png"):
             self.assertGreater(os.path.getsize(os.path.join(self.folder, "figures", name)), 8000)
 
     def test_factors_of_each_problems_median(self):
@@ -95,7 +106,7 @@ class SweepTest(unittest.TestCase):
         np.testing.assert_allclose(plot_sweep.as_factors(values, problems), [0.5, 2 / 3, 1.0, 4 / 3, 2.0])
 
     def test_nothing_to_draw(self):
-        write_table(self.table, status=np.array(["failed"] * 24, dtype=object))
+        write_table(self.table, told=(), status=np.array(["failed"] * 24, dtype=object))
         self.assertEqual(self.draw(), (0, [], ""))
 
     def test_no_trial_has_the_guarantee(self):
@@ -131,7 +142,7 @@ class SweepTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr[-2000:])
         with open(os.path.join(self.folder, "sweep.ipynb"), encoding="utf-8") as file:
             executed = file.read()
-        self.assertEqual(executed.count('"image/png"'), 4)
+        self.assertEqual(executed.count('"image/png"'), 5)
         self.assertIn("covers the goal", executed)
 
 

@@ -36,6 +36,50 @@ void print_ranking(const Sweep& sweep, const std::vector<PointScore>& ranking) {
   if (ranking.size() > shown_points) fmt::print("and {} more points\n", ranking.size() - shown_points);
 }
 
+std::string effect_text(const EffectFigure& figure, const Effect& effect) {
+  return figure.factor ? fmt::format("x{:.3f} ±{:.3f}", effect.change, effect.error)
+                       : fmt::format("{:+.3f} ±{:.3f}", effect.change, effect.error);
+}
+
+void print_effects(const Sweep& sweep, const EffectTable& effects) {
+  std::vector<std::size_t> shown;
+  for (std::size_t k = 0; k < effects.figures.size(); ++k) {
+    if (effects.figures[k].told) shown.push_back(k);
+  }
+  if (shown.empty()) {
+    if (!sweep.axes.empty()) fmt::print("effects: too few trials to tell the axes apart\n");
+    return;
+  }
+  fmt::print("effects, each with the other axes as they are, ± standard error\n{:<64}", "axis, from -> to");
+  for (const std::size_t k : shown)
+    fmt::print("{:>16} ({})", effects.figures[k].name, effects.figures[k].trials);
+  fmt::print("\n");
+  for (const AxisEffect& row : effects.rows) {
+    fmt::print("{:<64}", fmt::format("{}, {} -> {}", row.axis, row.from, row.to));
+    for (const std::size_t k : shown) {
+      const int width = 19 + static_cast<int>(std::to_string(effects.figures[k].trials).size());
+      fmt::print("{:>{}}", effect_text(effects.figures[k], row.on[k]), width);
+    }
+    fmt::print("\n");
+  }
+}
+
+ordered_json effects_json(const EffectTable& effects) {
+  ordered_json list = ordered_json::array();
+  for (const AxisEffect& row : effects.rows) {
+    ordered_json item = {{"axis", row.axis}, {"from", row.from}, {"to", row.to}};
+    for (std::size_t k = 0; k < effects.figures.size(); ++k) {
+      const EffectFigure& figure = effects.figures[k];
+      if (!figure.told) continue;
+      item[figure.name] = {{figure.factor ? "factor" : "difference", row.on[k].change},
+                           {"error", row.on[k].error},
+                           {"trials", figure.trials}};
+    }
+    list.push_back(item);
+  }
+  return list;
+}
+
 ordered_json best_json(const Sweep& sweep, const PointScore& best) {
   ordered_json json;
   json["point"] = best.point;
@@ -52,9 +96,9 @@ ordered_json best_json(const Sweep& sweep, const PointScore& best) {
 }  // namespace
 
 void print_trials(const Sweep& sweep, bool json) {
-  fmt::print("{}: {} points ({}) x {} configurations x {} seeds = {} trials\n", sweep.options.name,
-             sweep.points.size(), sweep.options.design, sweep.configs.size(), sweep.options.seeds.size(),
-             sweep.trials_a_rung());
+  fmt::print("{}: {} points ({}) {} {} configurations x {} seeds = {} trials\n", sweep.options.name,
+             sweep.points.size(), sweep.options.design, sweep.options.crossed ? "x" : "on one each of",
+             sweep.configs.size(), sweep.options.seeds.size(), sweep.trials_a_rung());
   if (sweep.options.rungs() > 1) {
     fmt::print("successive halving: {} = {}; the best {:.3g} of the points go on each time\n",
                sweep.options.halving.key, fmt::join(sweep.options.halving.budgets, ", "),
@@ -77,7 +121,7 @@ void print_trials(const Sweep& sweep, bool json) {
 
 void write_tables(const Sweep& sweep, const SweepFolder& folder, const SweepState& state) {
   const ResultTable table = make_table(sweep, state);
-  write_table(folder.file("table.h5"), table, sweep.options);
+  write_table(folder.file("table.h5"), table, estimate_effects(sweep, state.of_rung), sweep.options);
   write_whole_file(folder.file("table.csv"), to_csv(table), "the table");
 }
 
@@ -89,7 +133,9 @@ bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepStat
   if (sweep.options.rungs() > 1) fmt::print("; rung {} of {}", state.rung + 1, sweep.options.rungs());
   fmt::print("\n");
   const std::vector<PointScore> ranking = rank_points(sweep, state.of_rung);
-  print_ranking(sweep, ranking);
+  if (sweep.options.crossed) print_ranking(sweep, ranking);  // else a point is as good as its problem is easy
+  const EffectTable effects = estimate_effects(sweep, state.of_rung);
+  print_effects(sweep, effects);
   fmt::print("tables {} and table.csv\n", folder.file("table.h5"));
   const bool reached = !ranking.empty() && ranking.front().feasible;
   if (json) {
@@ -98,7 +144,9 @@ bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepStat
                             {"failed", failed},
                             {"missing", state.missing.size()},
                             {"rung", state.rung}};
-    summary["best"] = ranking.empty() ? ordered_json(nullptr) : best_json(sweep, ranking.front());
+    const bool ranked = sweep.options.crossed && !ranking.empty();
+    summary["best"] = ranked ? best_json(sweep, ranking.front()) : ordered_json(nullptr);
+    summary["effects"] = effects_json(effects);
     summary["table"] = folder.file("table.h5");
     fmt::print("{}\n", summary.dump());
   }

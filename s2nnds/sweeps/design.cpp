@@ -1,6 +1,7 @@
 #include "s2nnds/sweeps/design.h"
 
 #include <boost/random/sobol.hpp>
+#include <numeric>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
@@ -55,12 +56,26 @@ std::vector<DesignPoint> sobol(const SweepOptions& options, const std::vector<Ax
   return points;
 }
 
+void shuffle(std::vector<std::int64_t>& values, RandomStream random) {
+  for (std::size_t k = values.size(); k > 1; --k) std::swap(values[k - 1], values[random.below(k)]);
+}
+
 }  // namespace
 
 std::vector<DesignPoint> make_design(const SweepOptions& options, const std::vector<Axis>& axes) {
   if (axes.empty()) return {DesignPoint{}};
   if (options.design == "grid") return grid(axes);
   return options.design == "random" ? random(options, axes) : sobol(options, axes);
+}
+
+std::vector<std::int64_t> pairs_in_turn(std::size_t points, std::size_t pairs, std::uint64_t design_seed) {
+  std::vector<std::int64_t> order(pairs), chosen(points);
+  std::iota(order.begin(), order.end(), 0);
+  for (std::size_t i = 0; i < points; ++i) {
+    if (i % pairs == 0) shuffle(order, RandomStream(design_seed, "sweep/pairs", i / pairs));
+    chosen[i] = order[i % pairs];
+  }
+  return chosen;
 }
 
 }  // namespace s2nnds

@@ -17,4 +17,8 @@ using DesignPoint = std::vector<std::string>;
 // Without axes: one point.
 std::vector<DesignPoint> make_design(const SweepOptions& options, const std::vector<Axis>& axes);
 
+// For each of `points` one of `pairs`: all of them in turn, each time through in another random order, so
+// that they meet every value of every axis alike. More points keep the old ones' pairs.
+std::vector<std::int64_t> pairs_in_turn(std::size_t points, std::size_t pairs, std::uint64_t design_seed);
+
 }  // namespace s2nnds

@@ -99,6 +99,34 @@ std::size_t row_count(const TableColumn& column) {
   return column.is_text ? column.texts.size() : column.numbers.size();
 }
 
+void write_effects(Hdf5Writer& file, const EffectTable& effects) {
+  const auto write = [&](const std::string& name, const auto& of_row) {
+    std::vector<std::string> texts;
+    for (const AxisEffect& row : effects.rows) texts.push_back(of_row(row));
+    file.write("/effects/" + name, texts);
+  };
+  write("axis", [](const AxisEffect& row) { return row.axis; });
+  write("from", [](const AxisEffect& row) { return row.from; });
+  write("to", [](const AxisEffect& row) { return row.to; });
+  std::vector<std::string> figures;
+  for (std::size_t k = 0; k < effects.figures.size(); ++k) {
+    const EffectFigure& figure = effects.figures[k];
+    if (!figure.told) continue;
+    figures.push_back(figure.name);
+    Vector change(effects.rows.size()), error(effects.rows.size());
+    for (std::size_t i = 0; i < effects.rows.size(); ++i) {
+      change[static_cast<Eigen::Index>(i)] = effects.rows[i].on[k].change;
+      error[static_cast<Eigen::Index>(i)] = effects.rows[i].on[k].error;
+    }
+    const std::string item = "/effects/" + figure.name;
+    file.write(item, change);
+    file.write(item + "_error", error);
+    file.write_attribute(item, "trials", figure.trials);
+    file.write_attribute(item, "kind", std::string(figure.factor ? "factor" : "difference"));
+  }
+  file.write_attribute("/effects", "figures", figures);
+}
+
 }  // namespace
 
 ResultTable make_table(const Sweep& sweep, const SweepState& state) {
@@ -151,7 +179,8 @@ std::string to_csv(const ResultTable& table) {
   return out;
 }
 
-void write_table(const std::string& path, const ResultTable& table, const SweepOptions& options) {
+void write_table(const std::string& path, const ResultTable& table, const EffectTable& effects,
+                 const SweepOptions& options) {
   Hdf5Writer file(path);
   std::vector<std::string> names;
   for (const TableColumn& column : table.columns) names.push_back(column.name);
@@ -172,6 +201,7 @@ void write_table(const std::string& path, const ResultTable& table, const SweepO
                                                        static_cast<Eigen::Index>(column.numbers.size()))));
     }
   }
+  write_effects(file, effects);
   file.commit();
 }
 

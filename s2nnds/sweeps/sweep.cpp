@@ -90,7 +90,7 @@ void check_bases(const Sweep& sweep, const std::string& path) {
 }  // namespace
 
 std::int64_t Sweep::trials_a_point() const {
-  return static_cast<std::int64_t>(configs.size() * options.seeds.size());
+  return pairs.empty() ? static_cast<std::int64_t>(configs.size() * options.seeds.size()) : 1;
 }
 
 std::int64_t Sweep::trials_a_rung() const {
@@ -109,8 +109,9 @@ Trial Sweep::trial(std::int64_t id) const {
   trial.id = id;
   trial.rung = id / trials_a_rung();
   trial.point = id % trials_a_rung() / trials_a_point();
-  trial.config = id % trials_a_point() / seeds;
-  trial.seed = id % seeds;
+  const std::int64_t pair = pairs.empty() ? id % trials_a_point() : pairs[trial.point];
+  trial.config = pair / seeds;
+  trial.seed = pair % seeds;
   return trial;
 }
 
@@ -141,6 +142,10 @@ Sweep read_sweep(const std::string& path) {
   check_bases(sweep, path);
   check_axes(sweep, path);
   sweep.points = make_design(sweep.options, sweep.axes);
+  if (!sweep.options.crossed) {
+    sweep.pairs = pairs_in_turn(sweep.points.size(), sweep.configs.size() * sweep.options.seeds.size(),
+                                sweep.options.design_seed);
+  }
   return sweep;
 }
 

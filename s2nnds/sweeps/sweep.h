@@ -15,7 +15,7 @@ struct BaseConfig {
 };
 
 // One run of a sweep. Its number says which: ((rung * points + point) * configs + config) * seeds + seed,
-// each counted from 0.
+// each counted from 0; its point's if the sweep is not crossed.
 struct Trial {
   std::int64_t id = 0;
   std::int64_t rung = 0;
@@ -30,6 +30,7 @@ struct Sweep {
   std::vector<Axis> axes;
   std::vector<BaseConfig> configs;
   std::vector<DesignPoint> points;
+  std::vector<std::int64_t> pairs;  // of each point, config * seeds + seed; empty when crossed
 
   std::int64_t trials_a_point() const;
   std::int64_t trials_a_rung() const;  // if all points are in it

@@ -38,15 +38,28 @@ std::string frozen_text(const Sweep& sweep) {
   return with_overrides(sweep.text, "the sweep", {"configs=[" + names + "]"});
 }
 
-void freeze_file(const std::string& folder, const std::string& path, const std::string& text) {
-  if (!fs::exists(path)) {
-    write_whole_file(path, text, "the sweep");
-    return;
+// Random and Sobol designs begin with the points of a smaller one, and without halving their trials have the
+// same numbers.
+bool is_larger(const Sweep& sweep, const std::string& text, const std::string& there,
+               const std::string& path) {
+  const auto without_points = [&](const std::string& a) { return with_overrides(a, path, {"points=0"}); };
+  return sweep.options.design != "grid" && sweep.options.rungs() == 1 &&
+         without_points(there) == without_points(text) &&
+         read_sweep_options(there, path).points <= sweep.options.points;
+}
+
+template <typename Accepts>
+void freeze_file(const std::string& folder, const std::string& path, const std::string& text,
+                 const Accepts& accepts) {
+  if (fs::exists(path)) {
+    const std::string there = read_whole(path);
+    if (there == text) return;
+    check(accepts(there),
+          "{}: found another sweep in the folder {}; expected the same one to go on with, or the same with "
+          "more points (or choose another --out)",
+          path, folder);
   }
-  check(read_whole(path) == text,
-        "{}: found another sweep in the folder {}; expected the same one to go on with (or choose another "
-        "--out)",
-        path, folder);
+  write_whole_file(path, text, "the sweep");
 }
 
 }  // namespace
@@ -61,8 +74,11 @@ void SweepFolder::make_run_folder(std::int64_t trial) const {
 
 void SweepFolder::freeze(const Sweep& sweep) const {
   make_folders(file("configs"));
-  for (const BaseConfig& base : sweep.configs) freeze_file(path_, config(base), base.text);
-  freeze_file(path_, sweep_file(), frozen_text(sweep));  // last: where it is, the others are
+  const auto never = [](const std::string&) { return false; };
+  for (const BaseConfig& base : sweep.configs) freeze_file(path_, config(base), base.text, never);
+  const std::string text = frozen_text(sweep);  // last: where it is, the others are
+  freeze_file(path_, sweep_file(), text,
+              [&](const std::string& there) { return is_larger(sweep, text, there, sweep_file()); });
 }
 
 }  // namespace s2nnds

@@ -30,7 +30,7 @@ class SweepFolder {
   void make_run_folder(std::int64_t trial) const;
 
   // Copies the sweep's file and its configurations here; the copy is a sweep's file of the same trials.
-  // Throws Error when the folder holds another sweep already.
+  // A sweep that is there already may get more points. Throws Error when the folder holds another sweep.
   void freeze(const Sweep& sweep) const;
 
  private:

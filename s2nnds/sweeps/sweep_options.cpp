@@ -37,6 +37,7 @@ void SweepOptions::visit(FieldVisitor& v) {
   v.field("design", design, {"grid", "random", "sobol"});
   v.field("points", points, between(0, 1'000'000));
   v.field("design_seed", design_seed, at_least(0));
+  v.field("crossed", crossed);
   v.field("objective", objective,
           {"mse_train", "mse_validation", "sd_train", "dtw_train", "safe_area", "safe_area_ratio",
            "disturbance_margin", "convergence_radius", "rounds", "seconds"});
@@ -64,6 +65,8 @@ SweepOptions read_sweep_options(const std::string& text, const std::string& sour
   const auto& budgets = options.halving.budgets;
   check(std::is_sorted(budgets.begin(), budgets.end(), std::less_equal<>()),
         "{}: halving.budgets: expected each above the one before", source);
+  check(options.crossed || budgets.empty(),
+        "{}: halving: it compares points, which needs crossed = true; found false", source);
   check(!options.name.empty() && options.name.find_first_of("/\n") == std::string::npos,
         "{}: name: expected a file's name, found \"{}\"", source, options.name);
   return options;

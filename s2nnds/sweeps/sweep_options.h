@@ -19,7 +19,8 @@ struct HalvingOptions {
 };
 
 // A sweep's file, but for its table `axes` (axis.h). A point is one choice of values for all axes; it is
-// tried on every configuration with every seed, and is as good as those runs together.
+// tried on every configuration with every seed, and is as good as those runs together. Not crossed: on one of
+// these pairs, so that as many runs show what each axis does (effects.h) rather than how good few points are.
 struct SweepOptions {
   std::string name = "sweep";
   std::vector<std::string> configs;  // relative to the sweep's file
@@ -29,6 +30,8 @@ struct SweepOptions {
   std::string design = "grid";   // grid, random, sobol
   std::int64_t points = 0;       // of random and sobol
   std::int64_t design_seed = 0;  // of random; shifts sobol's points unless 0
+  bool crossed = true;           // else the points take the pairs of configuration and seed in turn, each
+                                 // time through in another random order
 
   // What the summary of a run calls it. Figures of test demonstrations are not among the choices.
   std::string objective = "mse_train";
@@ -36,7 +39,7 @@ struct SweepOptions {
   std::string guarantee = "none";  // the least guarantee that counts
   double dtw_limit = 0.0;  // the most a run's dtw_train may be to count: a certificate can be of a motion
                            // that passes the obstacle on the other side than the demonstrations; 0: any
-  double share = 1.0;  // of a point's runs that must count
+  double share = 1.0;      // of a point's runs that must count
 
   std::int64_t threads = 1;  // a trial
   std::int64_t retries = 2;  // of a trial whose process was killed; it goes on from its last round

@@ -100,6 +100,8 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
   left_out_ = position.rows() - static_cast<std::int64_t>(kept.size());
   position_ = position(kept, Eigen::all);
   velocity_ = velocity(kept, Eigen::all);
+  jitter_ = (problem.initial->level(position_).array() <= 0.0)
+                .select(Vector::Constant(position_.rows(), options.start_jitter), 0.0);
   const Points none(0, problem.dimension());
   pools_ = {none, none, none};
   near_band_ = safe_ = doomed_ = none;
@@ -138,6 +140,8 @@ Batch BatchSampler::draw(RandomStream& random) const {
     const std::size_t sample = random.below(position_.rows());
     batch.position.row(i) = position_.row(sample);
     batch.velocity.row(i) = velocity_.row(sample);
+    if (jitter_[sample] == 0.0) continue;
+    for (Eigen::Index k = 0; k < n; ++k) batch.position(i, k) += jitter_[sample] * random.normal();
   }
   batch.workspace = draw_workspace(random);
   const auto region = [&](const std::optional<RegionSampler>& sampler, const Points& pool,

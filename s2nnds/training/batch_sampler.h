@@ -43,6 +43,7 @@ class BatchSampler {
   void set_pools(CounterexamplePools pools) { pools_ = std::move(pools); }
   const Points& position() const { return position_; }  // demonstration samples that were kept
   const Points& velocity() const { return velocity_; }
+  const Vector& jitter() const { return jitter_; }  // standard deviation of each sample's displacement
   std::int64_t left_out_samples() const { return left_out_; }
 
  private:
@@ -51,6 +52,7 @@ class BatchSampler {
   const SafetyProblem& problem_;
   BatchOptions options_;
   Points position_, velocity_;
+  Vector jitter_;
   std::int64_t left_out_ = 0;
   std::optional<RegionSampler> initial_, unsafe_, shell_;
   CounterexamplePools pools_;

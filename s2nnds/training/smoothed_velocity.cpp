@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/random.h"
 
 namespace s2nnds {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 // The process is fitted to a part of the samples, which lie close together: so many of a demonstration at
 // most, and of all of them.
 constexpr Eigen::Index kOfOne = 125, kOfAll = 640;
+constexpr int kCopies = 3;         // of each demonstration in the tube
 constexpr std::size_t kFolds = 5;  // demonstrations that are left out in turn, at most
 constexpr double kLengths[] = {0.05, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56}, kNoises[] = {0.1, 0.3, 0.8, 1.6};
 
@@ -82,19 +84,47 @@ Setting best_setting(const std::vector<Fold>& folds) {
   return best;
 }
 
+// The Gaussian process of the demonstrations, of which there are at least two.
+struct Process {
+  Samples samples;
+  Setting setting;
+  Points velocity(const Points& x) const { return mean(samples, setting, x); }
+};
+
+Process fitted(const std::vector<Demonstration>& demonstrations) {
+  const auto count = static_cast<Eigen::Index>(demonstrations.size());
+  const Eigen::Index most = std::clamp<Eigen::Index>(kOfAll / count, 2, kOfOne);
+  return {samples_of(demonstrations, most), best_setting(folds_of(demonstrations, most))};
+}
+
 }  // namespace
 
 std::vector<Demonstration> smoothed(std::vector<Demonstration> demonstrations, double share) {
   check(share >= 0.0 && share <= 1.0, "smoothing: the share is {}, expected 0 to 1", share);
   if (share == 0.0 || demonstrations.size() < 2) return demonstrations;
-  const auto count = static_cast<Eigen::Index>(demonstrations.size());
-  const Eigen::Index most = std::clamp<Eigen::Index>(kOfAll / count, 2, kOfOne);
-  const Setting setting = best_setting(folds_of(demonstrations, most));
-  const Samples samples = samples_of(demonstrations, most);
+  const Process process = fitted(demonstrations);
   for (Demonstration& each : demonstrations) {
-    each.velocity += share * (mean(samples, setting, each.position) - each.velocity);
+    each.velocity += share * (process.velocity(each.position) - each.velocity);
   }
   return demonstrations;
+}
+
+std::vector<Demonstration> tube(const std::vector<Demonstration>& demonstrations, double width,
+                                std::uint64_t seed) {
+  check(width >= 0.0, "tube: the width is {}, expected >= 0", width);
+  std::vector<Demonstration> copies;
+  if (width == 0.0 || demonstrations.size() < 2) return copies;
+  const Process process = fitted(demonstrations);
+  RandomStream random(seed, "tube");
+  for (int k = 0; k < kCopies; ++k) {
+    for (Demonstration copy : demonstrations) {
+      for (Eigen::Index i = 0; i < copy.position.size(); ++i)
+        copy.position.data()[i] += width * random.normal();
+      copy.velocity = process.velocity(copy.position);
+      copies.push_back(std::move(copy));
+    }
+  }
+  return copies;
 }
 
 }  // namespace s2nnds

@@ -14,4 +14,10 @@ namespace s2nnds {
 // demonstration.
 std::vector<Demonstration> smoothed(std::vector<Demonstration> demonstrations, double share);
 
+// Samples beside the demonstrations, with the velocities g(x) of the same process: three copies of each
+// demonstration, every coordinate displaced by a normal deviate of standard deviation `width` >= 0
+// (normalised units). None with width 0 or one demonstration.
+std::vector<Demonstration> tube(const std::vector<Demonstration>& demonstrations, double width,
+                                std::uint64_t seed);
+
 }  // namespace s2nnds

@@ -41,6 +41,14 @@ torch::Tensor tensor(const Points& points) {
       .to(torch::kFloat32);
 }
 
+// What f is fitted to.
+std::vector<Demonstration> fitted_samples(const std::vector<Demonstration>& demonstrations,
+                                          const TrainerOptions& options, std::uint64_t seed) {
+  std::vector<Demonstration> all = smoothed(demonstrations, options.smoothing);
+  for (Demonstration& copy : tube(demonstrations, options.tube, seed)) all.push_back(std::move(copy));
+  return all;
+}
+
 BatchTensors tensors(const Batch& batch) {
   return {tensor(batch.position), tensor(batch.velocity), tensor(batch.workspace), tensor(batch.initial),
           tensor(batch.unsafe),   tensor(batch.safe),     tensor(batch.doomed)};
@@ -54,14 +62,13 @@ std::int64_t RoundSummary::counterexamples() const {
 
 class Trainer::Impl {
  public:
-  Impl(const SafetyProblem& problem, std::vector<Demonstration> demonstrations,
+  Impl(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
        const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed)
       : problem_(problem),
         network_options_(networks),
         options_(options),
         seed_(seed),
-        sampler_(problem, smoothed(std::move(demonstrations), options.smoothing), options.batch,
-                 options.keep_clear),
+        sampler_(problem, fitted_samples(demonstrations, options, seed), options.batch, options.keep_clear),
         level_(problem, {.band = options.band, .reach = options.level_reach}) {
     RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
     modules_.f = make_field(1);
@@ -159,7 +166,7 @@ class Trainer::Impl {
 
   WarmStartSummary warm_up() {
     const torch::Tensor position = tensor(sampler_.position()), velocity = tensor(sampler_.velocity());
-    return warm_start(modules_.f, position, velocity, options_.warm_start, seed_,
+    return warm_start(modules_.f, position, velocity, sampler_.jitter(), options_.warm_start, seed_,
                       [&](std::int64_t attempt) { return make_field(attempt); });
   }
 
@@ -345,9 +352,9 @@ class Trainer::Impl {
   std::vector<RoundSummary> history_;
 };
 
-Trainer::Trainer(const SafetyProblem& problem, std::vector<Demonstration> demonstrations,
+Trainer::Trainer(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
                  const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed)
-    : impl_(std::make_unique<Impl>(problem, std::move(demonstrations), networks, options, seed)) {}
+    : impl_(std::make_unique<Impl>(problem, demonstrations, networks, options, seed)) {}
 Trainer::~Trainer() = default;
 Trainer::Trainer(Trainer&&) noexcept = default;
 

@@ -59,7 +59,7 @@ using RolloutLabels = std::function<std::vector<bool>(const LayerStack& f, const
 class Trainer {
  public:
   // `demonstrations` are the training demonstrations, normalised. The problem must outlive the trainer.
-  Trainer(const SafetyProblem& problem, std::vector<Demonstration> demonstrations,
+  Trainer(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
           const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed);
   ~Trainer();
   Trainer(Trainer&&) noexcept;

@@ -35,6 +35,7 @@ void LossOptions::visit(FieldVisitor& v) {
 
 void BatchOptions::visit(FieldVisitor& v) {
   v.field("demonstrations", demonstrations, at_least(1));
+  v.field("start_jitter", start_jitter, at_least(0.0));
   v.field("workspace", workspace, at_least(1));
   v.field("initial", initial, at_least(1));
   v.field("unsafe", unsafe, at_least(1));
@@ -76,6 +77,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("weight_decay", weight_decay, at_least(0.0));
   v.field("label_points", label_points, at_least(0));
   v.field("smoothing", smoothing, between(0.0, 1.0));
+  v.field("tube", tube, at_least(0.0));
   v.field("keep_clear", keep_clear, at_least(0.0));
   v.field("samples", samples, at_least(1));
   v.field("pool_additions", pool_additions, at_least(1));
@@ -94,7 +96,7 @@ TrainerOptions paper_training() {
   options.redraw_barrier = false;
   options.restart_mse = options.restart_labels = 1.0;
   options.level_reach = 0.0;
-  options.smoothing = options.keep_clear = 0.0;
+  options.smoothing = options.keep_clear = options.batch.start_jitter = 0.0;
   options.weight_decay = options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
                   .mse = 10.0,

@@ -54,6 +54,9 @@ struct LossOptions {
 // Where a step's samples come from.
 struct BatchOptions {
   std::int64_t demonstrations = 512;
+  // Standard deviation of a normal displacement of those in X0, also in the warm start. Motions start slowly,
+  // so what error of f turns them aside there hardly shows in the MSE.
+  double start_jitter = 0.0;
   std::int64_t workspace = 512;
   std::int64_t initial = 128;
   std::int64_t unsafe = 256;
@@ -111,6 +114,7 @@ struct TrainerOptions {
   double weight_decay = 0.2;         // decoupled (AdamW), of all weights of f
   std::int64_t label_points = 6000;  // relabelled every round by rollouts; 0: no labels
   double smoothing = 1.0;            // share of a Gaussian process's velocities in those that f is fitted to
+  double tube = 0.0;  // width of samples of that process beside the demonstrations, normalised units; 0: none
   // Demonstration samples nearer to Xu than this (per axis) leave the MSE term; twice this for demonstrations
   // that pass through Xu, whose samples within Xu by more than this stay.
   double keep_clear = 0.05;

@@ -48,7 +48,17 @@ class ImitationSweep {
   std::vector<float> unused_, unused_gradient_;
 };
 
-void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
+void displace(const torch::Tensor& x, const torch::Tensor& rows, const Vector& jitter, RandomStream& random) {
+  auto* value = x.data_ptr<float>();
+  const auto* row = rows.data_ptr<std::int64_t>();
+  for (std::int64_t i = 0; i < x.size(0); ++i) {
+    if (jitter[row[i]] == 0.0) continue;
+    for (std::int64_t k = 0; k < x.size(1); ++k)
+      value[i * x.size(1) + k] += static_cast<float>(jitter[row[i]] * random.normal());
+  }
+}
+
+void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity, const Vector& jitter,
          const WarmStartOptions& options, RandomStream random) {
   torch::Tensor theta = f->network->theta, gradient = torch::empty_like(theta);
   std::optional<ImitationSweep> sweep;
@@ -63,6 +73,7 @@ void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& vel
     for (std::int64_t i = 0; i < options.batch; ++i)
       row[i] = static_cast<std::int64_t>(random.below(samples));
     const torch::Tensor x = position.index_select(0, rows), target = velocity.index_select(0, rows);
+    displace(x, rows, jitter, random);
     if (sweep) {
       sweep->run(theta.data_ptr<float>(), {x.data_ptr<float>(), x.size(0)},
                  {target.data_ptr<float>(), target.size(0)}, gradient.data_ptr<float>());
@@ -78,13 +89,13 @@ void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& vel
 }  // namespace
 
 WarmStartSummary warm_start(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
-                            const WarmStartOptions& options, std::uint64_t seed,
+                            const Vector& jitter, const WarmStartOptions& options, std::uint64_t seed,
                             const std::function<VectorField(std::int64_t)>& make) {
   const double motion = velocity.square().sum(1).mean().item<double>();
   WarmStartSummary best{.mse = std::numeric_limits<double>::infinity(), .stalled = true};
   for (std::int64_t attempt = 1; attempt <= options.attempts && best.stalled; ++attempt) {
     VectorField candidate = make(attempt);
-    fit(candidate, position, velocity, options, RandomStream(seed, "warm start/batches", attempt));
+    fit(candidate, position, velocity, jitter, options, RandomStream(seed, "warm start/batches", attempt));
     const double mse = full_mse(candidate, position, velocity);
     const bool stalled = !(mse <= options.stalled * motion);
     if (mse < best.mse || attempt == 1) {

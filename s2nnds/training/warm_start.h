@@ -13,10 +13,11 @@ struct WarmStartSummary {
   bool stalled = false;      // every attempt stalled; the best was kept
 };
 
-// Fits f to (position, velocity) [N, n] alone: AdamW on the MSE with cosine decay. A start that stalls (see
-// WarmStartOptions) is drawn anew with `make`(attempt); the best one is returned in `f`.
+// Fits f to (position, velocity) [N, n] alone, each position displaced by its own standard deviation `jitter`
+// [N] whenever it is drawn: AdamW on the MSE with cosine decay. A start that stalls (see WarmStartOptions) is
+// drawn anew with `make`(attempt); the best one is returned in `f`.
 WarmStartSummary warm_start(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
-                            const WarmStartOptions& options, std::uint64_t seed,
+                            const Vector& jitter, const WarmStartOptions& options, std::uint64_t seed,
                             const std::function<VectorField(std::int64_t attempt)>& make);
 
 }  // namespace s2nnds

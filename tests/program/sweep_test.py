@@ -172,7 +172,35 @@ class LocalTest(SweepTest):
         self.sweep()
         printed, _ = self.sweep("--report")
         self.assertIn("rank", printed)
-        self.assertEqual(sorted(os.listdir(self.path("out/figures"))), ["axes.png", "pareto.png"])
+        self.assertEqual(sorted(os.listdir(self.path("out/figures"))), ["axes.png", "effects.png", "pareto.png"])
+
+    def test_one_run_a_point_tells_effects_instead_of_ranks(self):
+        axes = '"training.rate_f" = { log_range = [1e-4, 1e-2] }\n"networks.f.hidden" = [[8], [9]]'
+        fields = {"design": '"sobol"', "crossed": "false", "points": 7}
+        self.write(sweep_text(axes, **fields))
+        printed, _ = self.sweep("--json", codes=(0,))
+        self.assertNotIn("rank", printed)
+        summary = json.loads(printed.splitlines()[-1])
+        self.assertIsNone(summary["best"])
+        self.assertEqual([(row["axis"], row["from"], row["to"]) for row in summary["effects"]],
+                         [("training.rate_f", "0.0001", "0.01"), ("networks.f.hidden", "[8]", "[9]")])
+        self.assertEqual(summary["effects"][0]["mse_validation"]["trials"], 7)
+        rows = self.rows()
+        self.assertEqual([row["point"] for row in rows], [str(k) for k in range(7)])
+        for first in (0, 2, 4):  # the two seeds take turns
+            self.assertEqual({row["seed"] for row in rows[first : first + 2]}, {"0", "1"})
+        with h5py.File(self.path("out/table.h5")) as file:
+            self.assertEqual(file["effects/mse_validation"][0], summary["effects"][0]["mse_validation"]["factor"])
+
+        # The same with more points keeps what there is; with fewer it is another sweep.
+        before = os.stat(self.path("out/runs/0000/0000003.json")).st_mtime_ns
+        self.write(sweep_text(axes, **{**fields, "points": 9}))
+        self.sweep()
+        self.assertEqual(os.stat(self.path("out/runs/0000/0000003.json")).st_mtime_ns, before)
+        self.assertEqual(self.rows()[:7], rows)
+        self.assertEqual(len(self.rows()), 9)
+        self.write(sweep_text(axes, **{**fields, "points": 8}))
+        self.assert_refused(self.call("sweep", self.path("sweep.toml"), "--out", self.path("out")), "another sweep", "more points")
 
 
 class InterruptionTest(SweepTest):
@@ -289,6 +317,7 @@ class BadInputTest(SweepTest):
         self.assert_sweep_refused(sweep_text('"seed" = [1, 2]'), "seed", "elsewhere")
         self.assert_sweep_refused(sweep_text(design='"sobol"'), "points")
         self.assert_sweep_refused(sweep_text(design='"gird"'), "gird", "grid")
+        self.assert_sweep_refused(sweep_text(crossed="false", halving="{ budgets = [1, 3] }"), "halving", "crossed")
 
     def test_no_choice_by_test_demonstrations(self):
         self.assert_sweep_refused(sweep_text(objective='"mse_test"'), "mse_test", "mse_validation")

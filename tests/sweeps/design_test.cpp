@@ -82,5 +82,20 @@ TEST(Design, RandomDrawsAreUniform) {
   EXPECT_NEAR(sum / 3000, 0.5, 0.027);
 }
 
+// Each time through, all pairs once; the order differs, so that no pair keeps to one part of Sobol's sequence.
+TEST(Design, PairsTakeTurnsInAnotherOrderEachTime) {
+  const auto pairs = pairs_in_turn(200, 60, 0);
+  std::set<std::vector<std::int64_t>> orders;
+  for (int pass = 0; pass < 3; ++pass) {
+    const std::vector<std::int64_t> order(pairs.begin() + 60 * pass, pairs.begin() + 60 * (pass + 1));
+    EXPECT_EQ(std::set<std::int64_t>(order.begin(), order.end()).size(), 60U);
+    orders.insert(order);
+  }
+  EXPECT_EQ(orders.size(), 3U);
+  const auto fewer = pairs_in_turn(70, 60, 0);
+  EXPECT_TRUE(std::equal(fewer.begin(), fewer.end(), pairs.begin()));
+  EXPECT_NE(pairs_in_turn(60, 60, 1), pairs_in_turn(60, 60, 0));
+}
+
 }  // namespace
 }  // namespace s2nnds

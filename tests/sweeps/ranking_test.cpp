@@ -93,5 +93,17 @@ TEST(Ranking, ATrialsNumberSaysWhichItIs) {
   EXPECT_EQ(sweep.id_of(1, 2), 20);
 }
 
+TEST(Ranking, ATrialThatIsNotCrossedIsItsPointOnOnePair) {
+  Sweep sweep = three_points();
+  sweep.configs.resize(2);
+  sweep.pairs = {3, 0, 2};
+  EXPECT_EQ(sweep.trials_a_rung(), 3);
+  const Trial trial = sweep.trial(2);
+  EXPECT_EQ(trial.point, 2);
+  EXPECT_EQ(trial.config, 1);
+  EXPECT_EQ(trial.seed, 0);
+  EXPECT_EQ(sweep.trial(0).seed, 1);
+}
+
 }  // namespace
 }  // namespace s2nnds

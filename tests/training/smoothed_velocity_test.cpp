@@ -73,6 +73,20 @@ TEST(SmoothedVelocity, TakesManyDemonstrationsAndShortOnes) {
   EXPECT_LT(rms_error(smoothed(spirals(30, 0.2), 1.0)), 0.5 * rms_error(spirals(30, 0.2)));
 }
 
+TEST(SmoothedVelocity, TheTubeIsTheFieldBesideTheDemonstrations) {
+  const std::vector<Demonstration> raw = spirals(4, 0.1), copies = tube(raw, 0.03, 5);
+  ASSERT_EQ(copies.size(), 12U);
+  EXPECT_LT(rms_error(copies), 0.05);
+  const Points moved =
+      copies[5].position - raw[1].position;  // 800 deviates: 2.5 % of .03, one standard deviation
+  EXPECT_NEAR(std::sqrt(moved.array().square().mean()), 0.03, 0.003);
+  EXPECT_EQ(tube(raw, 0.03, 5)[5].position, copies[5].position);
+  EXPECT_NE(tube(raw, 0.03, 6)[5].position, copies[5].position);
+  EXPECT_TRUE(tube(raw, 0.0, 5).empty());
+  EXPECT_TRUE(tube(spirals(1, 0.1), 0.03, 5).empty());
+  EXPECT_THROW(tube(raw, -0.1, 5), Error);
+}
+
 TEST(SmoothedVelocity, RefusesAShareThatIsNone) {
   EXPECT_THROW(smoothed(spirals(2, 0.1), 1.1), Error);
   EXPECT_THROW(smoothed(spirals(2, 0.1), -0.1), Error);
