@@ -234,6 +234,7 @@ def draw_effects(sweep):
         panel.set_title(f"{label(name)}\n{effect.kind}, {effect.trials} trials", fontsize=10)
         panel.grid(alpha=0.3)
     panels[0][0].set_yticks(height, texts, fontsize=8)
+    panels[0][0].set_ylim(-0.7, len(texts) - 0.3)
     figure.suptitle(f"{sweep.name}: each axis from end to end, the others as they are; bars: two standard errors")
     return figure
 

@@ -92,6 +92,7 @@ TrainerOptions paper_training() {
   TrainerOptions options;
   options.label_points = 0;
   options.mend_rounds = options.growth_rounds = 0;
+  options.rate_certificates = 3e-3;
   options.rate_rise = 1;
   options.redraw_barrier = false;
   options.restart_mse = options.restart_labels = 1.0;

@@ -56,7 +56,7 @@ struct BatchOptions {
   std::int64_t demonstrations = 512;
   // Standard deviation of a normal displacement of those in X0, also in the warm start. Motions start slowly,
   // so what error of f turns them aside there hardly shows in the MSE.
-  double start_jitter = 0.0;
+  double start_jitter = 0.02;
   std::int64_t workspace = 512;
   std::int64_t initial = 128;
   std::int64_t unsafe = 256;
@@ -78,7 +78,7 @@ struct TrainerOptions {
   std::int64_t min_rounds = 5;   // stopping at the first clean round underfits the demonstrations
   std::int64_t steps = 500;      // Adam steps a round
   double rate_f = 1e-3;
-  double rate_certificates = 3e-3;  // V and B
+  double rate_certificates = 5e-3;  // V and B
   double rate_decay = 0.9;          // a round
   double rate_floor = 0.05;         // least factor of the rates
   double rate_end = 0.05;  // within a round the rates fall to this share (cosine): what noise of the steps
