@@ -84,6 +84,8 @@ def place(ax, column):
     if column.dtype.kind != "O":
         if spread(column):
             ax.set_xscale("log")
+        else:
+            ax.locator_params(axis="x", nbins=5)
         return column
     texts = in_order(column)
     crowded = len(texts) > 3 or max(map(len, texts)) > 14
@@ -123,7 +125,7 @@ def draw_axes(sweep):
     factors = len(set(sweep["config"])) > 1 and np.all(y > 0)
     if factors:
         y, text = as_factors(y, sweep["config"][shown]), f"{text} / problem's median"
-    columns = min(3, len(names))
+    columns = min(3 if len(names) <= 9 else 5, len(names))
     rows = -(-len(names) // columns)
     figure, panels = plt.subplots(
         rows, columns, figsize=(3.4 * columns + 0.6, 2.9 * rows + 0.7), squeeze=False, sharey=True, layout="constrained"

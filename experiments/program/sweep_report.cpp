@@ -15,6 +15,7 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::size_t shown_points = 10;
+constexpr std::size_t name_width = 64;  // of the first column of the effects
 
 std::string settings_text(const Sweep& sweep, std::int64_t point) {
   std::string text;
@@ -50,12 +51,16 @@ void print_effects(const Sweep& sweep, const EffectTable& effects) {
     if (!sweep.axes.empty()) fmt::print("effects: too few trials to tell the axes apart\n");
     return;
   }
-  fmt::print("effects, each with the other axes as they are, ± standard error\n{:<64}", "axis, from -> to");
+  fmt::print("effects, each with the other axes as they are, ± standard error\n{:<{}}", "axis, from -> to",
+             name_width);
   for (const std::size_t k : shown)
     fmt::print("{:>16} ({})", effects.figures[k].name, effects.figures[k].trials);
   fmt::print("\n");
   for (const AxisEffect& row : effects.rows) {
-    fmt::print("{:<64}", fmt::format("{}, {} -> {}", row.axis, row.from, row.to));
+    const std::string name = fmt::format("{}, {} -> {}", row.axis, row.from, row.to);
+    const bool fits = name.size() < name_width;
+    if (!fits) fmt::print("{}\n", name);
+    fmt::print("{:<{}}", fits ? name : "", name_width);
     for (const std::size_t k : shown) {
       const int width = 19 + static_cast<int>(std::to_string(effects.figures[k].trials).size());
       fmt::print("{:>{}}", effect_text(effects.figures[k], row.on[k]), width);

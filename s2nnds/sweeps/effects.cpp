@@ -20,10 +20,10 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 struct Term {
   std::size_t axis = 0;
   std::string from, to;
-  double at(const Axis& axis, const std::string& value) const {
-    if (!axis.values.empty()) return value == to ? 1.0 : 0.0;
-    const auto scaled = [&](double x) { return axis.logarithmic ? std::log(x) : x; };
-    return (scaled(std::stod(value)) - scaled(axis.low)) / (scaled(axis.high) - scaled(axis.low));
+  double at(const Axis& of_it, const std::string& value) const {
+    if (!of_it.values.empty()) return value == to ? 1.0 : 0.0;
+    const auto scaled = [&](double x) { return of_it.logarithmic ? std::log(x) : x; };
+    return (scaled(std::stod(value)) - scaled(of_it.low)) / (scaled(of_it.high) - scaled(of_it.low));
   }
 };
 
@@ -69,9 +69,12 @@ std::vector<Effect> fit(const Sweep& sweep, const std::vector<Term>& terms,
   const VectorXd solution = solver.solve(value);
   const double variance = (value - model * solution).squaredNorm() / static_cast<double>(rows - columns);
   const Matrix covariance = variance * (model.transpose() * model).inverse();
+  // What is the same in all trials of each problem leaves rounding behind, which is no effect.
+  const double rounding = 1e-12 * value.cwiseAbs().maxCoeff();
+  const auto rounded = [&](double x) { return std::abs(x) < rounding ? 0.0 : x; };
   std::vector<Effect> found;
   for (Eigen::Index k = 0; k < effects; ++k)
-    found.push_back({solution[k], std::sqrt(std::max(0.0, covariance(k, k)))});
+    found.push_back({rounded(solution[k]), rounded(std::sqrt(std::max(0.0, covariance(k, k))))});
   return found;
 }
 

@@ -35,7 +35,7 @@ std::string frozen_text(const Sweep& sweep) {
   for (const BaseConfig& base : sweep.configs) {
     names += fmt::format("{}\"configs/{}.toml\"", names.empty() ? "" : ", ", base.name);
   }
-  return with_overrides(sweep.text, "the sweep", {"configs=[" + names + "]"});
+  return with_overrides(sweep.text, "the sweep", {fmt::format("configs=[{}]", names)});
 }
 
 // Random and Sobol designs begin with the points of a smaller one, and without halving their trials have the
