@@ -179,17 +179,19 @@ int run_here(const Sweep& sweep, const SweepFolder& folder, const Means& means, 
     if (!all) return interrupted();
     state = read_state(sweep, folder);
   }
-  write_tables(sweep, folder, state);
-  return print_report(sweep, folder, state, json) ? kVerified : kNotVerified;
+  const EffectTable effects = estimate_effects(sweep, state.of_rung);
+  write_tables(sweep, folder, state, effects);
+  return print_report(sweep, folder, state, effects, json) ? kVerified : kNotVerified;
 }
 
 int report(const Sweep& sweep, const SweepFolder& folder, const CommonArguments& common) {
   const SweepState state = read_state(sweep, folder);
   check(!state.results.empty(), "{}: found no results yet, expected some to report", folder.path());
-  write_tables(sweep, folder, state);
+  const EffectTable effects = estimate_effects(sweep, state.of_rung);
+  write_tables(sweep, folder, state, effects);
   const int drawn = run_python("sweep --report", S2NNDS_PLOT_SWEEP_SCRIPT,
                                {folder.file("table.h5"), "--out", folder.file("figures")});
-  const bool reached = print_report(sweep, folder, state, common.json);
+  const bool reached = print_report(sweep, folder, state, effects, common.json);
   return drawn != 0 ? drawn : reached ? kVerified : kNotVerified;
 }
 

@@ -48,7 +48,7 @@ void print_effects(const Sweep& sweep, const EffectTable& effects) {
     if (effects.figures[k].told) shown.push_back(k);
   }
   if (shown.empty()) {
-    if (!sweep.axes.empty()) fmt::print("effects: too few trials to tell the axes apart\n");
+    if (!sweep.axes.empty()) fmt::print("effects: these trials do not tell the axes apart\n");
     return;
   }
   fmt::print("effects, each with the other axes as they are, ± standard error\n{:<{}}", "axis, from -> to",
@@ -124,13 +124,15 @@ void print_trials(const Sweep& sweep, bool json) {
   if (json) fmt::print("{}\n", ordered_json({{"name", sweep.options.name}, {"trials", list}}).dump());
 }
 
-void write_tables(const Sweep& sweep, const SweepFolder& folder, const SweepState& state) {
+void write_tables(const Sweep& sweep, const SweepFolder& folder, const SweepState& state,
+                  const EffectTable& effects) {
   const ResultTable table = make_table(sweep, state);
-  write_table(folder.file("table.h5"), table, estimate_effects(sweep, state.of_rung), sweep.options);
+  write_table(folder.file("table.h5"), table, effects, sweep.options);
   write_whole_file(folder.file("table.csv"), to_csv(table), "the table");
 }
 
-bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepState& state, bool json) {
+bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepState& state,
+                  const EffectTable& effects, bool json) {
   std::int64_t failed = 0;
   for (const TrialResult& result : state.results) failed += result.failed ? 1 : 0;
   fmt::print("{}: {} trials ended, {} of them failed, {} missing", sweep.options.name, state.results.size(),
@@ -139,7 +141,6 @@ bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepStat
   fmt::print("\n");
   const std::vector<PointScore> ranking = rank_points(sweep, state.of_rung);
   if (sweep.options.crossed) print_ranking(sweep, ranking);  // else a point is as good as its problem is easy
-  const EffectTable effects = estimate_effects(sweep, state.of_rung);
   print_effects(sweep, effects);
   fmt::print("tables {} and table.csv\n", folder.file("table.h5"));
   const bool reached = !ranking.empty() && ranking.front().feasible;

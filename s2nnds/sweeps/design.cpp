@@ -56,6 +56,7 @@ std::vector<DesignPoint> sobol(const SweepOptions& options, const std::vector<Ax
   return points;
 }
 
+// Not std::shuffle, whose order differs from one standard library to the next.
 void shuffle(std::vector<std::int64_t>& values, RandomStream random) {
   for (std::size_t k = values.size(); k > 1; --k) std::swap(values[k - 1], values[random.below(k)]);
 }

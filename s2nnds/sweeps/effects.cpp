@@ -68,13 +68,18 @@ std::vector<Effect> fit(const Sweep& sweep, const std::vector<Term>& terms,
   if (solver.rank() < columns) return {};
   const VectorXd solution = solver.solve(value);
   const double variance = (value - model * solution).squaredNorm() / static_cast<double>(rows - columns);
-  const Matrix covariance = variance * (model.transpose() * model).inverse();
+  // With model P = Q R, the inverse of model' model is root root' with root = P R^-1: its diagonal cannot
+  // become negative.
+  const Matrix root = solver.colsPermutation() * Matrix(solver.matrixR()
+                                                            .topLeftCorner(columns, columns)
+                                                            .triangularView<Eigen::Upper>()
+                                                            .solve(Matrix::Identity(columns, columns)));
   // What is the same in all trials of each problem leaves rounding behind, which is no effect.
   const double rounding = 1e-12 * value.cwiseAbs().maxCoeff();
   const auto rounded = [&](double x) { return std::abs(x) < rounding ? 0.0 : x; };
   std::vector<Effect> found;
   for (Eigen::Index k = 0; k < effects; ++k)
-    found.push_back({rounded(solution[k]), rounded(std::sqrt(std::max(0.0, covariance(k, k))))});
+    found.push_back({rounded(solution[k]), rounded(std::sqrt(variance) * root.row(k).norm())});
   return found;
 }
 

@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "s2nnds/core/points.h"
 #include "s2nnds/networks/vector_field.h"
 #include "s2nnds/training/trainer_options.h"
 
