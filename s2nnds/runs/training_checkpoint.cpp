@@ -26,7 +26,8 @@ std::vector<Column> columns() {
                              column("lyapunov", &RoundSummary::lyapunov),
                              column("separation", &RoundSummary::separation),
                              column("band", &RoundSummary::band),
-                             column("labels", &RoundSummary::labels)};
+                             column("labels", &RoundSummary::labels),
+                             column("deflection", &RoundSummary::deflection)};
   for (std::size_t q = 0; q < all_conditions.size(); ++q) {
     all.push_back(
         {fmt::format("count_{}", to_string(all_conditions[q])),

@@ -12,6 +12,7 @@ namespace {
 // around a counterexample.
 constexpr double kNearestToGoal = 1e-3;
 constexpr double kJitter = 0.005;
+constexpr std::int64_t kBoundary = 4096;  // points of the obstacle's boundary to draw from
 
 // Whether the box surely or possibly meets the region; bisects a little, since enclosures of large boxes are
 // wide.
@@ -102,6 +103,8 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
   velocity_ = velocity(kept, Eigen::all);
   jitter_ = (problem.initial->level(position_).array() <= 0.0)
                 .select(Vector::Constant(position_.rows(), options.start_jitter), 0.0);
+  RandomStream random(0, "obstacle's boundary");
+  boundary_ = boundary_points(problem.unsafe, problem.workspace, kBoundary, random);
   const Points none(0, problem.dimension());
   pools_ = {none, none, none};
   near_band_ = safe_ = doomed_ = none;
@@ -161,6 +164,13 @@ Batch BatchSampler::draw(RandomStream& random) const {
   batch.unsafe << obstacle, shell;
   batch.safe = some(safe_, options_.labels / 2, n, random);
   batch.doomed = some(doomed_, options_.labels / 2, n, random);
+  batch.boundary.resize(boundary_.point.rows() > 0 ? options_.boundary : 0, n);
+  batch.normal.resize(batch.boundary.rows(), n);
+  for (Eigen::Index i = 0; i < batch.boundary.rows(); ++i) {
+    const std::size_t chosen = random.below(boundary_.point.rows());
+    batch.boundary.row(i) = boundary_.point.row(chosen);
+    batch.normal.row(i) = boundary_.normal.row(chosen);
+  }
   return batch;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "s2nnds/data/demonstration.h"
+#include "s2nnds/problem/boundary_points.h"
 #include "s2nnds/problem/region_sampler.h"
 #include "s2nnds/training/counterexample.h"
 #include "s2nnds/training/trainer_options.h"
@@ -14,8 +15,9 @@ struct Batch {
   Points position, velocity;  // of demonstrations
   Points workspace;
   Points initial;
-  Points unsafe;        // of Xu, the shell and the counterexamples of both
-  Points safe, doomed;  // labelled by rollouts
+  Points unsafe;            // of Xu, the shell and the counterexamples of both
+  Points safe, doomed;      // labelled by rollouts
+  Points boundary, normal;  // of the obstacle, outwards
 };
 
 // Counterexamples found so far: what a checkpoint keeps besides the networks.
@@ -57,6 +59,7 @@ class BatchSampler {
   std::optional<RegionSampler> initial_, unsafe_, shell_;
   CounterexamplePools pools_;
   Points near_band_, safe_, doomed_;
+  BoundaryPoints boundary_;
 };
 
 }  // namespace s2nnds

@@ -69,9 +69,11 @@ LossTerms JointLoss::run(JointSweep<T>& sweep, const BatchTensors& batch) {
   };
   const BatchView<T> views{view(batch.position), view(batch.velocity), view(batch.workspace),
                            view(batch.initial),  view(batch.unsafe),   view(batch.safe),
-                           view(batch.doomed)};
+                           view(batch.doomed),   view(batch.boundary), view(batch.normal)};
   check(views.position.count == views.velocity.count, "joint loss: found {} positions and {} velocities",
         views.position.count, views.velocity.count);
+  check(views.boundary.count == views.normal.count, "joint loss: found {} boundary points and {} normals",
+        views.boundary.count, views.normal.count);
   const tensor_list gradients = {torch::empty_like(f), torch::empty_like(V), torch::empty_like(B)};
   const LossSums sums =
       sweep.run(f.data_ptr<T>(), V.data_ptr<T>(), B.data_ptr<T>(), views, gradients[0].data_ptr<T>(),
@@ -79,10 +81,16 @@ LossTerms JointLoss::run(JointSweep<T>& sweep, const BatchTensors& batch) {
   const auto scalar = [&](double value) {
     return torch::scalar_tensor(value, f.options().requires_grad(false));
   };
-  LossTerms terms{scalar(sums.mse),  scalar(sums.lyapunov), scalar(sums.separation),
-                  scalar(sums.band), scalar(sums.labels),   {}};
+  LossTerms terms{scalar(sums.mse),
+                  scalar(sums.lyapunov),
+                  scalar(sums.separation),
+                  scalar(sums.band),
+                  scalar(sums.labels),
+                  scalar(sums.deflection),
+                  {}};
   terms.total = Differentiated::apply(
-      f, V, B, options_.mse * sums.mse + sums.lyapunov + sums.separation + sums.band + sums.labels,
+      f, V, B,
+      options_.mse * sums.mse + sums.lyapunov + sums.separation + sums.band + sums.labels + sums.deflection,
       gradients);
   return terms;
 }

@@ -47,7 +47,7 @@ class FlushSubnormals {
 // A tile of samples and what is to be done with it.
 template <typename T>
 struct JointSweep<T>::Work {
-  enum class Kind { demonstrations, workspace, region } kind;
+  enum class Kind { demonstrations, boundary, workspace, region } kind;
   const T* points;
   ptrdiff_t first, rows;
   // Of a region: weight times the mean of the penalty of sign * B + margin, towards which term.
@@ -146,6 +146,9 @@ void JointSweep<T>::share_out(const BatchView<T>& batch) {
   if (options_.mse > 0.0 && trains_ == Trains::all)
     tiles(batch.position, {.kind = Kind::demonstrations, .points = nullptr, .first = 0, .rows = 0},
           3.0 * products(f_));
+  if (options_.deflection > 0.0 && options_.kind != "paper" && trains_ == Trains::all)
+    tiles(batch.boundary, {.kind = Kind::boundary, .points = nullptr, .first = 0, .rows = 0},
+          3.0 * products(f_));
   region(batch.initial, options_.separation, 1.0, options_.margin_initial, &LossSums::separation);
   region(batch.unsafe, options_.separation, -1.0, options_.margin_unsafe, &LossSums::separation);
   if (options_.kind != "paper") {
@@ -181,6 +184,28 @@ void JointSweep<T>::run_demonstrations(Chunk& chunk, const Work& work, const Bat
     const T adjoint = static_cast<T>(2.0 * options_.mse * share) * error;
     chunk.velocity_adjoint[i] = adjoint;
     chunk.f_origin_adjoint[i % n] -= adjoint;
+  }
+  chunk.f.backward(chunk.velocity_adjoint.data(), nullptr, nullptr);
+}
+
+template <typename T>
+void JointSweep<T>::run_boundary(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
+  const ptrdiff_t n = dimension_;
+  const double weight = options_.deflection / static_cast<double>(batch.boundary.count);
+  chunk.f.forward(work.rows, work.points, nullptr, chunk.velocity.data(), nullptr);
+  for (ptrdiff_t s = 0; s < work.rows; ++s) {
+    const T* normal = batch.normal.data + (work.first + s) * n;
+    double leaving = 0.0;
+    for (ptrdiff_t k = 0; k < n; ++k)
+      leaving +=
+          static_cast<double>(normal[k]) * static_cast<double>(chunk.velocity[s * n + k] - f_at_origin_[k]);
+    const Penalty penalty = rectify(options_.margin_deflection - leaving, 0.0);
+    chunk.sums.deflection += weight * penalty.value;
+    for (ptrdiff_t k = 0; k < n; ++k) {
+      const T adjoint = static_cast<T>(-weight * penalty.slope) * normal[k];
+      chunk.velocity_adjoint[s * n + k] = adjoint;
+      chunk.f_origin_adjoint[k] -= adjoint;
+    }
   }
   chunk.f.backward(chunk.velocity_adjoint.data(), nullptr, nullptr);
 }
@@ -340,6 +365,7 @@ LossSums JointSweep<T>::run(const T* theta_f, const T* theta_V, const T* theta_B
     Chunk& chunk = *chunks_[c];
     for (const Work& work : chunk.work) {
       if (work.kind == Work::Kind::demonstrations) run_demonstrations(chunk, work, batch);
+      if (work.kind == Work::Kind::boundary) run_boundary(chunk, work, batch);
       if (work.kind == Work::Kind::workspace) run_workspace(chunk, work, batch);
       if (work.kind == Work::Kind::region) run_region(chunk, work);
     }
@@ -358,6 +384,7 @@ LossSums JointSweep<T>::run(const T* theta_f, const T* theta_V, const T* theta_B
     sums.separation += chunk->sums.separation;
     sums.band += chunk->sums.band;
     sums.labels += chunk->sums.labels;
+    sums.deflection += chunk->sums.deflection;
   }
   const auto add_up = [&](FusedTile<T> Chunk::*network, T* gradient) {
     FusedTile<T>& total = *chunks_.front().*network;

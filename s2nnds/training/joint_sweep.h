@@ -17,7 +17,7 @@ struct PointsView {
 
 template <typename T>
 struct BatchView {
-  PointsView<T> position, velocity, workspace, initial, unsafe, safe, doomed;
+  PointsView<T> position, velocity, workspace, initial, unsafe, safe, doomed, boundary, normal;
 };
 
 // A network's layers and what is made of their output.
@@ -35,6 +35,7 @@ struct LossSums {
   double separation = 0.0;
   double band = 0.0;
   double labels = 0.0;
+  double deflection = 0.0;
 };
 
 enum class Trains { all, barrier };  // whose gradients are wanted
@@ -64,6 +65,7 @@ class JointSweep {
   void share_out(const BatchView<T>& batch);
   void take_origins();
   void run_demonstrations(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
+  void run_boundary(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
   void run_workspace(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
   void run_region(Chunk& chunk, const Work& work) const;
   void run_origins();

@@ -10,13 +10,18 @@ struct Outputs {
   torch::Tensor velocity;                       // f on the demonstrations
   LieDerivative V, B;                           // on the workspace samples
   torch::Tensor initial, unsafe, safe, doomed;  // B there; undefined where there are none
+  torch::Tensor leaving;                        // n.f on the obstacle's boundary; undefined without one
 };
 
 Outputs evaluate(Modules& networks, const BatchTensors& batch) {
   Outputs out;
-  const torch::Tensor moved = networks.f(torch::cat({batch.position, batch.workspace}));
+  const std::int64_t leaving = batch.boundary.defined() ? batch.boundary.size(0) : 0;
+  std::vector<torch::Tensor> moving = {batch.position, batch.workspace};
+  if (leaving > 0) moving.push_back(batch.boundary);
+  const torch::Tensor moved = networks.f(torch::cat(moving));
   out.velocity = moved.narrow(0, 0, batch.position.size(0));
   const torch::Tensor direction = moved.narrow(0, batch.position.size(0), batch.workspace.size(0));
+  if (leaving > 0) out.leaving = (moved.narrow(0, moved.size(0) - leaving, leaving) * batch.normal).sum(1);
   out.V = lie_derivative(networks.V, batch.workspace, direction);
   out.B = lie_derivative(networks.B, batch.workspace, direction);
 
@@ -66,6 +71,7 @@ void robust_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
   terms.band = o.band * (weight * torch::relu(out.B.derivative + o.margin_band)).mean();
   terms.labels = o.labels * (mean_penalty(out.safe, like, below(o.margin_label)) +
                              mean_penalty(out.doomed, like, above_zero(o.margin_label)));
+  terms.deflection = o.deflection * mean_penalty(out.leaving, like, above_zero(o.margin_deflection));
 }
 
 void paper_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
@@ -79,7 +85,7 @@ void paper_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
       (mean_penalty(out.initial, like, [&](const torch::Tensor& b) { return leaky(b + o.margin_initial); }) +
        mean_penalty(out.unsafe, like, [&](const torch::Tensor& b) { return leaky(o.margin_unsafe - b); }));
   terms.band = o.band * leaky(out.B.derivative - o.margin_band).mean();
-  terms.labels = torch::zeros({}, like.options());
+  terms.labels = terms.deflection = torch::zeros({}, like.options());
 }
 
 }  // namespace
@@ -97,7 +103,8 @@ LossTerms joint_loss(Modules& networks, const BatchTensors& batch, const LossOpt
   } else {
     robust_terms(out, options, terms);
   }
-  terms.total = options.mse * terms.mse + terms.lyapunov + terms.separation + terms.band + terms.labels;
+  terms.total = options.mse * terms.mse + terms.lyapunov + terms.separation + terms.band + terms.labels +
+                terms.deflection;
   return terms;
 }
 

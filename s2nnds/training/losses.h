@@ -18,7 +18,7 @@ struct Modules {
 
 // A training step's samples as tensors: [N, n] each; undefined where there are none.
 struct BatchTensors {
-  torch::Tensor position, velocity, workspace, initial, unsafe, safe, doomed;
+  torch::Tensor position, velocity, workspace, initial, unsafe, safe, doomed, boundary, normal;
 };
 
 // The terms of a step's loss, each with its weight applied. Undefined terms do not apply.
@@ -28,6 +28,7 @@ struct LossTerms {
   torch::Tensor separation;
   torch::Tensor band;
   torch::Tensor labels;
+  torch::Tensor deflection;
   torch::Tensor total;
 };
 

@@ -49,9 +49,17 @@ std::vector<Demonstration> fitted_samples(const std::vector<Demonstration>& demo
   return all;
 }
 
+// Without a deflection no boundary points are drawn.
+BatchOptions batch_options(const TrainerOptions& options) {
+  BatchOptions batch = options.batch;
+  if (options.loss.deflection == 0.0) batch.boundary = 0;
+  return batch;
+}
+
 BatchTensors tensors(const Batch& batch) {
-  return {tensor(batch.position), tensor(batch.velocity), tensor(batch.workspace), tensor(batch.initial),
-          tensor(batch.unsafe),   tensor(batch.safe),     tensor(batch.doomed)};
+  return {tensor(batch.position), tensor(batch.velocity), tensor(batch.workspace),
+          tensor(batch.initial),  tensor(batch.unsafe),   tensor(batch.safe),
+          tensor(batch.doomed),   tensor(batch.boundary), tensor(batch.normal)};
 }
 
 }  // namespace
@@ -68,7 +76,8 @@ class Trainer::Impl {
         network_options_(networks),
         options_(options),
         seed_(seed),
-        sampler_(problem, fitted_samples(demonstrations, options, seed), options.batch, options.keep_clear),
+        sampler_(problem, fitted_samples(demonstrations, options, seed), batch_options(options),
+                 options.keep_clear),
         level_(problem, {.band = options.band, .reach = options.level_reach}) {
     RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
     modules_.f = make_field(1);
@@ -214,6 +223,7 @@ class Trainer::Impl {
       row.separation += share * terms.separation.item<double>();
       row.band += share * terms.band.item<double>();
       row.labels += share * terms.labels.item<double>();
+      row.deflection += share * terms.deflection.item<double>();
     }
     if (growing) row.mse = history_.back().mse;
     return row;
@@ -236,10 +246,12 @@ class Trainer::Impl {
     const auto restarts = static_cast<double>((round - 1) / options_.rate_period);
     plan.loss.mse *= std::pow(options_.restart_mse, restarts);
     plan.loss.labels *= std::pow(options_.restart_labels, restarts);
+    plan.loss.deflection *= std::pow(options_.restart_labels, restarts);
     const std::int64_t mending = starts_anew(round) ? 0 : mending_round();
     if (mending == 0) return plan;
     plan.rate *= options_.mend_rate;
     plan.loss.labels *= std::pow(options_.mend_labels, mending);
+    plan.loss.deflection *= std::pow(options_.mend_labels, mending);
     plan.loss.band *= options_.mend_band;
     return plan;
   }
@@ -267,7 +279,7 @@ class Trainer::Impl {
                           std::max(1.0, options_.growth_labels));
     }
     RoundPlan plan = {true, options_.growth_rate, options_.loss};
-    plan.loss.mse = plan.loss.lyapunov = 0.0;
+    plan.loss.mse = plan.loss.lyapunov = plan.loss.deflection = 0.0;
     plan.loss.labels *= weight;
     plan.loss.separation *= options_.growth_margins;
     plan.loss.band *= options_.growth_margins;

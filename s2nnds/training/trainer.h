@@ -21,6 +21,7 @@ struct RoundSummary {
   double separation = 0.0;
   double band = 0.0;
   double labels = 0.0;
+  double deflection = 0.0;
   std::array<std::int64_t, condition_count> counts{};  // counterexamples found, by condition
   std::int64_t first_found = 0;                        // of these, by the first source: random search
   std::int64_t pool = 0;                               // counterexamples kept for training

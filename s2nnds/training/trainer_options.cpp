@@ -28,9 +28,11 @@ void LossOptions::visit(FieldVisitor& v) {
     return;
   }
   v.field("labels", labels, at_least(0.0));
+  v.field("deflection", deflection, at_least(0.0));
   v.field("kappa", kappa, at_least(0.0));
   v.field("band_width", band_width, above(0.0));
   v.field("margin_label", margin_label, at_least(0.0));
+  v.field("margin_deflection", margin_deflection, at_least(0.0));
 }
 
 void BatchOptions::visit(FieldVisitor& v) {
@@ -41,6 +43,7 @@ void BatchOptions::visit(FieldVisitor& v) {
   v.field("unsafe", unsafe, at_least(1));
   v.field("shell", shell, at_least(1));
   v.field("labels", labels, at_least(2));
+  v.field("boundary", boundary, at_least(1));
   v.field("share_counterexamples", share_counterexamples, between(0.0, 1.0));
   v.field("share_band", share_band, between(0.0, 1.0));
   v.field("share_goal", share_goal, between(0.0, 1.0));

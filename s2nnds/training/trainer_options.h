@@ -26,7 +26,9 @@ struct WarmStartOptions {
 //   + separation (mean relu(B + margin_initial) on X0 + mean relu(margin_unsafe - B) on Xu and the shell)
 //   + band mean w relu(Bdot + margin_band),  w = exp(-(B / band_width)^2) held constant   (around {B = 0})
 //   + labels (mean relu(B + margin_label) where rollouts are safe + mean relu(margin_label - B) where they
-//   are not).
+//   are not)
+//   + deflection mean relu(margin_deflection - n.f(x)) on the obstacle's boundary, n its unit normal
+//   outwards.
 // `paper`: equations (6) to (8) as printed, LR_a the leaky ReLU:
 //   mse MSE + lyapunov mean (LR_a(margin_positive - V) + LR_a(Vdot - margin_decrease))
 //   + separation (mean LR_a(B + margin_initial) on X0 + mean LR_a(margin_unsafe - B) on Xu) + band mean
@@ -38,12 +40,17 @@ struct LossOptions {
   double separation = 2.0;
   double band = 5.0;
   double labels = 1.0;
+  // Motions that would meet the obstacle turn aside before it, which leaves more of the workspace safe. Not
+  // all can: V falls along every motion, so followed backwards those that end at the obstacle come from the
+  // workspace's edge. The gap through which they come gets narrower, and the certificate harder to find.
+  double deflection = 0.0;
   double kappa = 0.1;
   double margin_initial = 0.05;
   double margin_unsafe = 0.05;
   double margin_band = 0.05;
   double band_width = 0.15;
   double margin_label = 0.02;
+  double margin_deflection = 0.02;
   double margin_positive = 0.01;  // paper: delta_l1
   double margin_decrease = 0.0;   // paper: delta_l2, as printed: its sign favours Vdot < delta_l2
   double leak = 0.01;             // paper: alpha of the leaky ReLU
@@ -61,7 +68,8 @@ struct BatchOptions {
   std::int64_t initial = 128;
   std::int64_t unsafe = 256;
   std::int64_t shell = 256;
-  std::int64_t labels = 256;  // half of them with safe rollouts
+  std::int64_t labels = 256;    // half of them with safe rollouts
+  std::int64_t boundary = 128;  // of the obstacle, where there is a deflection
   // Shares of the workspace batch; the rest is uniform in X.
   double share_counterexamples = 0.3;
   double share_band = 0.25;  // points with |B| < band_near
@@ -87,19 +95,21 @@ struct TrainerOptions {
   std::int64_t rate_period =
       10;  // rounds after which the decay starts anew: small rates do not leave a bad shape
   bool redraw_barrier = true;  // B starts anew with the rates: no training mends some shapes
-  // Factors of the demonstrations' and the labels' weight, once more each time the rates start anew: what
-  // could not be certified must give way somewhere. Where motions fan out before the obstacle, those that
-  // meet it come through a gap so narrow that labels which fill it leave no room for B to fall. The motion
-  // that is certified then may pass the obstacle on the other side than the demonstrations.
+  // Factors of the demonstrations' weight and of the labels' and the deflection's, once more each time the
+  // rates start anew: what could not be certified must give way somewhere. Where motions fan out before the
+  // obstacle, those that meet it come through a gap so narrow that labels which fill it leave no room for B
+  // to fall. The motion that is certified then may pass the obstacle on the other side than the
+  // demonstrations.
   double restart_mse = 0.5;
   double restart_labels = 0.3;
   // A round after one in which random search found fewer counterexamples than this mends: its rates are
-  // lower, and the labels, which press {B = 0} against the motions where Bdot < 0 is hard to meet, weigh less
-  // with every such round. So many rounds may mend in a row, then one follows at full rates.
+  // lower, and the labels, which press {B = 0} against the motions where Bdot < 0 is hard to meet, and the
+  // deflection weigh less with every such round. So many rounds may mend in a row, then one follows at full
+  // rates.
   std::int64_t mend_rounds = 4;
   std::int64_t mend_below = 200;
   double mend_rate = 0.33;   // factor of all rates
-  double mend_labels = 0.6;  // factor of the labels' weight, once more with each mending round
+  double mend_labels = 0.6;  // factor of these two weights, once more with each mending round
   double mend_band = 3.0;    // factor of the band's weight
   // After every round B is shifted by at most this to the level that gives the largest safe set without a
   // violation among some samples, if there is one.

@@ -40,7 +40,7 @@ class ImitationSweep {
   static LossOptions only_imitation() {
     LossOptions options;
     options.mse = 1.0;
-    options.lyapunov = options.separation = options.band = options.labels = 0.0;
+    options.lyapunov = options.separation = options.band = options.labels = options.deflection = 0.0;
     return options;
   }
 

@@ -36,7 +36,8 @@ BatchTensors draw(const Case& c) {
     for (std::int64_t i = 0; i < x.numel(); ++i) x.data_ptr<double>()[i] = random.uniform(-1.2, 1.2);
     return x.to(c.dtype);
   };
-  return {points(70), points(70), points(130), points(30), points(50), points(60), points(0)};
+  return {points(70), points(70), points(130), points(30), points(50),
+          points(60), points(0),  points(40),  points(40)};
 }
 
 struct Result {
@@ -117,6 +118,27 @@ TEST(JointLoss, NotANumberGoesThrough) {
       options.kind = kind;
       EXPECT_TRUE(std::isnan(JointLoss(modules, options)(draw(c)).total.item<double>())) << kind << network;
     }
+  }
+}
+
+// Where f = 0, the normal velocity lacks the whole margin.
+TEST(RobustLoss, DeflectionIsWhatTheNormalVelocityLacks) {
+  const Case c{"tanh", 2, "robust", torch::kFloat64};
+  for (const Engine engine : {Engine::fused, Engine::autograd}) {
+    Modules modules = make(c, engine);
+    {
+      torch::NoGradGuard no_grad;
+      modules.f->network->theta.zero_();
+    }
+    BatchTensors batch = draw(c);
+    batch.boundary = torch::tensor({{1.0, 0.3}, {-0.2, -1.0}}, c.dtype);
+    batch.normal = torch::tensor({{1.0, 0.0}, {0.0, -1.0}}, c.dtype);
+    LossOptions o;
+    o.deflection = 2.0;
+    o.margin_deflection = 0.3;
+    EXPECT_NEAR(JointLoss(modules, o)(batch).deflection.item<double>(), 2.0 * 0.3, 1e-12);
+    batch.boundary = batch.normal = torch::Tensor();
+    EXPECT_EQ(JointLoss(modules, o)(batch).deflection.item<double>(), 0.0);
   }
 }
 

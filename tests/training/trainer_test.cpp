@@ -181,6 +181,8 @@ TEST(Trainer, DemonstrationsAndLabelsWeighLessWithEveryRestart) {
   options.mend_rounds = 0;
   options.restart_mse = 0.25;
   options.restart_labels = 0.0;
+  options.loss.deflection = 1.0;
+  options.loss.margin_deflection = 2.0;
   Trainer trainer = fixture.trainer(5);
   trainer.run();
   const std::vector<RoundSummary> history = trainer.state().history;
@@ -188,10 +190,12 @@ TEST(Trainer, DemonstrationsAndLabelsWeighLessWithEveryRestart) {
   for (std::size_t round : {1, 2, 3, 4, 5, 6}) {
     const RoundSummary& row = history[round];
     const int restarts = static_cast<int>(round - 1) / 2;
-    const double others = row.lyapunov + row.separation + row.band + row.labels;  // with their weights
+    const double others =
+        row.lyapunov + row.separation + row.band + row.labels + row.deflection;  // with their weights
     const double expected = std::pow(0.25, restarts) * options.loss.mse * row.mse + others;
     EXPECT_NEAR(row.loss, expected, 1e-4 * row.loss) << round;
     EXPECT_EQ(row.labels == 0.0, restarts > 0) << round;
+    EXPECT_EQ(row.deflection == 0.0, restarts > 0) << round;
   }
 }
 
@@ -283,6 +287,8 @@ TEST(BatchSampler, DrawsEverySetFromItself) {
   const Vector in_ball = fixture.problem.unsafe->level(batch.unsafe),
                in_shell = fixture.problem.shell->level(batch.unsafe);
   EXPECT_LE(in_ball.cwiseMin(in_shell).maxCoeff(), 0.0);
+  EXPECT_EQ(batch.boundary.rows(), fixture.options.batch.boundary);
+  EXPECT_LT(fixture.problem.unsafe->level(batch.boundary).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 // A draw's velocity says which sample it is. Of 400 displacements of .02 the mean square is .0004 with a
