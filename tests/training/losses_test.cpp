@@ -49,6 +49,8 @@ Result run(const Case& c, Engine engine) {
   Modules modules = make(c, engine);
   LossOptions options;
   options.kind = c.loss;
+  options.deflection = 0.7;
+  options.margin_deflection = 0.3;
   const LossTerms terms = JointLoss(modules, options)(draw(c));
   terms.total.backward();
   return {
