@@ -103,8 +103,10 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
   velocity_ = velocity(kept, Eigen::all);
   jitter_ = (problem.initial->level(position_).array() <= 0.0)
                 .select(Vector::Constant(position_.rows(), options.start_jitter), 0.0);
-  RandomStream random(0, "obstacle's boundary");
-  boundary_ = boundary_points(problem.unsafe, problem.workspace, kBoundary, random);
+  if (options.boundary > 0) {
+    RandomStream random(0, "obstacle's boundary");
+    boundary_ = boundary_points(problem.unsafe, problem.workspace, kBoundary, random);
+  }
   const Points none(0, problem.dimension());
   pools_ = {none, none, none};
   near_band_ = safe_ = doomed_ = none;
