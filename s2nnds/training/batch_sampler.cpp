@@ -60,6 +60,15 @@ Points some(const Points& from, Eigen::Index count, Eigen::Index dimension, Rand
   return batch;
 }
 
+// Normal, across the velocity only: along it the demonstration's own samples tell f how fast to go.
+Vector displacement(const Vector& velocity, double deviation, RandomStream& random) {
+  Vector d(velocity.size());
+  for (double& each : d) each = deviation * random.normal();
+  const double squared_speed = velocity.squaredNorm();
+  if (squared_speed > 0.0) d -= d.dot(velocity) / squared_speed * velocity;
+  return d;
+}
+
 void append(Points& pool, const Points& more, std::int64_t additions, std::int64_t capacity) {
   const Eigen::Index added = std::min<Eigen::Index>(more.rows(), additions);
   if (added == 0) return;
@@ -109,6 +118,7 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
   }
   const Points none(0, problem.dimension());
   pools_ = {none, none, none};
+  repairs_ = {none, none, none};
   near_band_ = safe_ = doomed_ = none;
 }
 
@@ -138,15 +148,21 @@ Points BatchSampler::draw_workspace(RandomStream& random) const {
 
 Batch BatchSampler::draw(RandomStream& random) const {
   const Eigen::Index n = problem_.dimension();
+  const Eigen::Index corrections = repairs_.position.rows() > 0 ? options_.corrections : 0;
   Batch batch;
-  batch.position.resize(options_.demonstrations, n);
-  batch.velocity.resize(options_.demonstrations, n);
+  batch.position.resize(options_.demonstrations + corrections, n);
+  batch.velocity.resize(options_.demonstrations + corrections, n);
   for (Eigen::Index i = 0; i < options_.demonstrations; ++i) {
     const std::size_t sample = random.below(position_.rows());
     batch.position.row(i) = position_.row(sample);
     batch.velocity.row(i) = velocity_.row(sample);
     if (jitter_[sample] == 0.0) continue;
-    for (Eigen::Index k = 0; k < n; ++k) batch.position(i, k) += jitter_[sample] * random.normal();
+    batch.position.row(i) += displacement(velocity_.row(sample), jitter_[sample], random).transpose();
+  }
+  for (Eigen::Index i = options_.demonstrations; i < batch.position.rows(); ++i) {
+    const std::size_t chosen = random.below(repairs_.position.rows());
+    batch.position.row(i) = repairs_.position.row(chosen);
+    batch.velocity.row(i) = repairs_.velocity.row(chosen);
   }
   batch.workspace = draw_workspace(random);
   const auto region = [&](const std::optional<RegionSampler>& sampler, const Points& pool,
@@ -165,7 +181,10 @@ Batch BatchSampler::draw(RandomStream& random) const {
   batch.unsafe.resize(obstacle.rows() + shell.rows(), n);
   batch.unsafe << obstacle, shell;
   batch.safe = some(safe_, options_.labels / 2, n, random);
-  batch.doomed = some(doomed_, options_.labels / 2, n, random);
+  const Points ending = some(doomed_, options_.labels / 2, n, random),
+               upstream = some(repairs_.upstream, options_.upstream, n, random);
+  batch.doomed.resize(ending.rows() + upstream.rows(), n);
+  batch.doomed << ending, upstream;
   batch.boundary.resize(boundary_.point.rows() > 0 ? options_.boundary : 0, n);
   batch.normal.resize(batch.boundary.rows(), n);
   for (Eigen::Index i = 0; i < batch.boundary.rows(); ++i) {

@@ -6,17 +6,18 @@
 #include "s2nnds/problem/boundary_points.h"
 #include "s2nnds/problem/region_sampler.h"
 #include "s2nnds/training/counterexample.h"
+#include "s2nnds/training/repair.h"
 #include "s2nnds/training/trainer_options.h"
 
 namespace s2nnds {
 
 // The points of one training step, in normalised coordinates. Empty [0, n] where there is nothing to draw.
 struct Batch {
-  Points position, velocity;  // of demonstrations
+  Points position, velocity;  // of demonstrations and corrections
   Points workspace;
   Points initial;
   Points unsafe;            // of Xu, the shell and the counterexamples of both
-  Points safe, doomed;      // labelled by rollouts
+  Points safe, doomed;      // labelled by rollouts, and upstream of violations
   Points boundary, normal;  // of the obstacle, outwards
 };
 
@@ -25,8 +26,8 @@ struct CounterexamplePools {
   Points workspace, initial, unsafe;  // [k, n], oldest first
 };
 
-// Draws training batches. What it knows of the networks (points near {B = 0}, rollout labels) is handed to
-// it.
+// Draws training batches. What it knows of the networks (points near {B = 0}, rollout labels, repairs) is
+// handed to it.
 class BatchSampler {
  public:
   // `keep_clear`: demonstration samples nearer to the unsafe set than this, per axis, are left out; twice as
@@ -40,6 +41,7 @@ class BatchSampler {
   void add(const Counterexamples& found, std::int64_t additions, std::int64_t capacity);
   void set_near_band(Points points) { near_band_ = std::move(points); }
   void set_labels(Points safe, Points doomed);
+  void set_repairs(Repairs repairs) { repairs_ = std::move(repairs); }
 
   const CounterexamplePools& pools() const { return pools_; }
   void set_pools(CounterexamplePools pools) { pools_ = std::move(pools); }
@@ -59,6 +61,7 @@ class BatchSampler {
   std::optional<RegionSampler> initial_, unsafe_, shell_;
   CounterexamplePools pools_;
   Points near_band_, safe_, doomed_;
+  Repairs repairs_;
   BoundaryPoints boundary_;
 };
 

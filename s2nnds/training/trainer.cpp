@@ -184,6 +184,7 @@ class Trainer::Impl {
     row.round = round;
     row.growing = growing;
     label(row);
+    seek_repairs(growing);
     if (starts_anew(round) && !growing && options_.redraw_barrier) redraw_barrier(round);
     const RoundPlan plan = plan_of(round, growing);
     // Each round starts afresh, so that a checkpoint needs no optimiser state.
@@ -311,6 +312,15 @@ class Trainer::Impl {
     for (Eigen::Index i = 0; i < starts.rows(); ++i) (is_safe[i] ? safe : doomed).push_back(i);
     row.safe_share = static_cast<double>(safe.size()) / static_cast<double>(starts.rows());
     sampler_.set_labels(starts(safe, Eigen::all), starts(doomed, Eigen::all));
+  }
+
+  // Without the band's weight nothing makes B a barrier.
+  void seek_repairs(bool growing) {
+    const bool any = options_.repair_motions > 0 && options_.loss.band > 0.0 && !growing;
+    const Points none(0, problem_.dimension());
+    sampler_.set_repairs(repairs(networks(), problem_, any ? sampler_.pools().workspace : none,
+                                 sampler_.position(), sampler_.velocity(),
+                                 {options_.repair_motions, options_.band, options_.repair_gain}));
   }
 
   void seek_band(RandomStream& random) {

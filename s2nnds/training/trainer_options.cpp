@@ -43,6 +43,8 @@ void BatchOptions::visit(FieldVisitor& v) {
   v.field("unsafe", unsafe, at_least(1));
   v.field("shell", shell, at_least(1));
   v.field("labels", labels, at_least(2));
+  v.field("upstream", upstream, at_least(1));
+  v.field("corrections", corrections, at_least(1));
   v.field("boundary", boundary, at_least(1));
   v.field("share_counterexamples", share_counterexamples, between(0.0, 1.0));
   v.field("share_band", share_band, between(0.0, 1.0));
@@ -71,6 +73,8 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("mend_rate", mend_rate, above(0.0));
   v.field("mend_labels", mend_labels, between(0.0, 1.0));
   v.field("mend_band", mend_band, at_least(0.0));
+  v.field("repair_motions", repair_motions, at_least(0));
+  v.field("repair_gain", repair_gain, at_least(0.0));
   v.field("level_reach", level_reach, at_least(0.0));
   v.field("growth_rounds", growth_rounds, at_least(0));
   v.field("growth_labels", growth_labels, at_least(0.0));
@@ -94,7 +98,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
 TrainerOptions paper_training() {
   TrainerOptions options;
   options.label_points = 0;
-  options.mend_rounds = options.growth_rounds = 0;
+  options.mend_rounds = options.repair_motions = options.growth_rounds = 0;
   options.rate_certificates = 3e-3;
   options.rate_rise = 1;
   options.redraw_barrier = false;

@@ -43,7 +43,7 @@ struct LossOptions {
   // Motions that would meet the obstacle turn aside before it, which leaves more of the workspace safe. Not
   // all can: V falls along every motion, so followed backwards those that end at the obstacle come from the
   // workspace's edge. The gap through which they come gets narrower, and the certificate harder to find.
-  double deflection = 0.0;
+  double deflection = 0.1;
   double kappa = 0.1;
   double margin_initial = 0.05;
   double margin_unsafe = 0.05;
@@ -61,15 +61,18 @@ struct LossOptions {
 // Where a step's samples come from.
 struct BatchOptions {
   std::int64_t demonstrations = 512;
-  // Standard deviation (normalised units) of a normal displacement of those in X0, also in the warm start.
-  // Motions start slowly, so what error of f turns them aside there hardly shows in the MSE.
+  // Standard deviation (normalised units) of a normal displacement, across the velocity, of those in X0, also
+  // in the warm start. Motions start slowly, so what error of f turns them aside there hardly shows in the
+  // MSE.
   double start_jitter = 0.02;
   std::int64_t workspace = 512;
   std::int64_t initial = 128;
   std::int64_t unsafe = 256;
   std::int64_t shell = 256;
-  std::int64_t labels = 256;    // half of them with safe rollouts
-  std::int64_t boundary = 128;  // of the obstacle, where there is a deflection
+  std::int64_t labels = 256;      // half of them with safe rollouts
+  std::int64_t upstream = 128;    // beside them, of the repairs
+  std::int64_t corrections = 64;  // beside the demonstrations, of the repairs
+  std::int64_t boundary = 128;    // of the obstacle, where there is a deflection
   // Shares of the workspace batch; the rest is uniform in X.
   double share_counterexamples = 0.3;
   double share_band = 0.25;  // points with |B| < band_near
@@ -111,12 +114,18 @@ struct TrainerOptions {
   double mend_rate = 0.33;   // factor of all rates
   double mend_labels = 0.6;  // factor of these two weights, once more with each mending round
   double mend_band = 3.0;    // factor of the band's weight
+  // So many motions at most that enter {B > 0} at a counterexample are followed back before each round until
+  // the first clean one. Where one comes from X0, f is fitted to the velocity of the nearest demonstration
+  // sample plus repair_gain times the way to it; where it does not, B is trained to be positive along it. The
+  // losses at the counterexample itself only slow f down there.
+  std::int64_t repair_motions = 64;
+  double repair_gain = 0.5;  // 1 / normalised time
   // After every round B is shifted by at most this to the level that gives the largest safe set without a
   // violation among some samples, if there is one.
   double level_reach = 0.1;
   // Rounds after the first clean one that train B alone, with f and V as they are and the labels weighing
   // more, so that the safe set grows; what such a round makes of B is kept only if it is clean as well.
-  std::int64_t growth_rounds = 8;
+  std::int64_t growth_rounds = 10;
   double growth_labels = 4.0;        // factor of the labels' weight, at most; less after such a round failed
   double growth_margins = 2.0;       // factor of the separation's and the band's weights
   double growth_rate = 0.5;          // factor of B's rate

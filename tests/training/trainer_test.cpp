@@ -292,12 +292,12 @@ TEST(BatchSampler, DrawsEverySetFromItself) {
 }
 
 // A draw's velocity says which sample it is. Of 400 displacements of .02 the mean square is .0004 with a
-// standard deviation of .00002.
-TEST(BatchSampler, DisplacesSamplesInX0AndNoOthers) {
+// standard deviation of .00003.
+TEST(BatchSampler, DisplacesSamplesInX0AcrossTheirVelocityAndNoOthers) {
   Fixture fixture;
   fixture.options.batch.start_jitter = 0.02;
   fixture.options.batch.demonstrations = 20000;
-  double number = 0.0;
+  double number = 1.0;
   for (Demonstration& each : fixture.demonstrations)
     for (Eigen::Index i = 0; i < each.samples(); ++i) each.velocity(i, 0) = number++;
   const BatchSampler sampler(fixture.problem, fixture.demonstrations, fixture.options.batch, 0.0);
@@ -306,17 +306,18 @@ TEST(BatchSampler, DisplacesSamplesInX0AndNoOthers) {
   double squares = 0.0;
   int displaced = 0;
   for (Eigen::Index k = 0; k < batch.position.rows(); ++k) {
-    const Vector x = sampler.position().row(static_cast<Eigen::Index>(batch.velocity(k, 0)));
+    const Vector x = sampler.position().row(static_cast<Eigen::Index>(batch.velocity(k, 0)) - 1);
     const Vector moved = batch.position.row(k).transpose() - x;
     if (fixture.problem.initial->level(Points(x.transpose()))[0] > 0.0) {
       ASSERT_EQ(moved.norm(), 0.0);
     } else {
-      squares += moved.squaredNorm() / 2.0;
+      squares += moved.squaredNorm();
+      ASSERT_LT(std::abs(moved.dot(batch.velocity.row(k))), 1e-9 * batch.velocity.row(k).norm());
       ++displaced;
     }
   }
   ASSERT_GT(displaced, 400);
-  EXPECT_NEAR(squares / displaced, 0.0004, 0.00006);
+  EXPECT_NEAR(squares / displaced, 0.0004, 0.0001);
 }
 
 // B = x - 0.5 on a ball at (0.7, 0): violated only where x < 0.5 inside the ball, a sliver of its area.
