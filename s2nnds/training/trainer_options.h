@@ -61,9 +61,9 @@ struct LossOptions {
 // Where a step's samples come from.
 struct BatchOptions {
   std::int64_t demonstrations = 512;
-  // Standard deviation (normalised units) of a normal displacement, across the velocity, of those in X0, also
-  // in the warm start. Motions start slowly, so what error of f turns them aside there hardly shows in the
-  // MSE.
+  // Standard deviation (normalised units) of a normal displacement of those in X0: in the warm start in all
+  // directions, then across the velocity only. Motions start slowly, so what error of f turns them aside
+  // there hardly shows in the MSE.
   double start_jitter = 0.02;
   std::int64_t workspace = 512;
   std::int64_t initial = 128;
