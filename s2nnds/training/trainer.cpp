@@ -316,11 +316,13 @@ class Trainer::Impl {
 
   // Without the band's weight nothing makes B a barrier.
   void seek_repairs(bool growing) {
-    const bool any = options_.repair_motions > 0 && options_.loss.band > 0.0 && !growing;
     const Points none(0, problem_.dimension());
-    sampler_.set_repairs(repairs(networks(), problem_, any ? sampler_.pools().workspace : none,
-                                 sampler_.position(), sampler_.velocity(),
-                                 {options_.repair_motions, options_.band, options_.repair_gain}));
+    Repairs found = {none, none, none};
+    if (options_.repair_motions > 0 && options_.loss.band > 0.0 && !growing) {
+      found = repairs(networks(), problem_, sampler_.pools().workspace, sampler_.position(),
+                      sampler_.velocity(), {options_.repair_motions, options_.band, options_.repair_gain});
+    }
+    sampler_.set_repairs(std::move(found));
   }
 
   void seek_band(RandomStream& random) {

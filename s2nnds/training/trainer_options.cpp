@@ -111,6 +111,7 @@ TrainerOptions paper_training() {
                   .lyapunov = 1.0,
                   .separation = 1.0,
                   .band = 1.0,
+                  .deflection = 0.0,
                   .margin_initial = 0.01,
                   .margin_unsafe = 0.01,
                   .margin_band = 0.0};

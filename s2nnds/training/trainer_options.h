@@ -117,7 +117,7 @@ struct TrainerOptions {
   // So many motions at most that enter {B > 0} at a counterexample are followed back before each round until
   // the first clean one. Where one comes from X0, f is fitted to the velocity of the nearest demonstration
   // sample plus repair_gain times the way to it; where it does not, B is trained to be positive along it. The
-  // losses at the counterexample itself only slow f down there.
+  // losses at the counterexample itself can make do with an f that is nearly still there.
   std::int64_t repair_motions = 64;
   double repair_gain = 0.5;  // 1 / normalised time
   // After every round B is shifted by at most this to the level that gives the largest safe set without a

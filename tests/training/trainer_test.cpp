@@ -291,6 +291,31 @@ TEST(BatchSampler, DrawsEverySetFromItself) {
   EXPECT_LT(fixture.problem.unsafe->level(batch.boundary).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+TEST(BatchSampler, DrawsRepairsBesideDemonstrationsAndLabels) {
+  Fixture fixture;
+  const BatchOptions& options = fixture.options.batch;
+  BatchSampler sampler(fixture.problem, fixture.demonstrations, options, 0.0);
+  sampler.set_labels(Points::Constant(3, 2, 0.1), Points::Constant(3, 2, 0.2));
+  sampler.set_repairs(
+      {Points::Constant(5, 2, 0.3), Points::Constant(7, 2, 0.4), Points::Constant(7, 2, -0.5)});
+  RandomStream random(1, "batch test");
+  const Batch with = sampler.draw(random);
+  ASSERT_EQ(with.doomed.rows(), options.labels / 2 + options.upstream);
+  EXPECT_EQ((with.doomed.topRows(options.labels / 2).array() == 0.2).count(), options.labels);
+  EXPECT_EQ((with.doomed.bottomRows(options.upstream).array() == 0.3).count(), 2 * options.upstream);
+  ASSERT_EQ(with.position.rows(), options.demonstrations + options.corrections);
+  ASSERT_EQ(with.velocity.rows(), with.position.rows());
+  EXPECT_EQ((with.position.bottomRows(options.corrections).array() == 0.4).count(), 2 * options.corrections);
+  EXPECT_EQ((with.velocity.bottomRows(options.corrections).array() == -0.5).count(), 2 * options.corrections);
+  EXPECT_EQ(with.safe.rows(), options.labels / 2);
+
+  const Points none(0, 2);
+  sampler.set_repairs({none, none, none});
+  const Batch without = sampler.draw(random);
+  EXPECT_EQ(without.doomed.rows(), options.labels / 2);
+  EXPECT_EQ(without.position.rows(), options.demonstrations);
+}
+
 // A draw's velocity says which sample it is. Of 400 displacements of .02 the mean square is .0004 with a
 // standard deviation of .00003.
 TEST(BatchSampler, DisplacesSamplesInX0AcrossTheirVelocityAndNoOthers) {
