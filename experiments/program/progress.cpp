@@ -3,11 +3,14 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 
 namespace s2nnds::program {
 namespace {
+
+constexpr std::chrono::seconds kProofPause(5);  // between two lines about a proof
 
 std::string counterexamples(const RoundSummary& row) {
   std::string text;
@@ -41,6 +44,17 @@ void print_round(const RoundSummary& row) {
                row.round, row.loss, row.mse, row.pool, row.seconds, counterexamples(row));
   }
   std::fflush(stderr);
+}
+
+ProofProgress proof_printer() {
+  using Clock = std::chrono::steady_clock;
+  return [said = Clock::now()](Condition condition, const BranchProgress& state) mutable {
+    if (Clock::now() - said < kProofPause) return;
+    said = Clock::now();
+    fmt::print(stderr, "proof of {}: boxes={} waiting={} refuted={} depth={} seconds={:.1f}\n",
+               to_string(condition), state.boxes, state.waiting, state.refuted, state.depth, state.seconds);
+    std::fflush(stderr);
+  };
 }
 
 void print_summary(const RunRecord& record, const std::string& path) {

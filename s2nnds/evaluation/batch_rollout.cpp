@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFirstStep = 0.02;
 constexpr double kShortestStep = 1e-9;
-constexpr int kMostSteps = 100'000;
+constexpr int kMostSteps = 2'000;  // a motion that takes more chatters, and would hold up all others
 constexpr Eigen::Index kChunk = 512;  // starts that advance together
 
 // Many motions at once. Each has its own time and step; those that are decided leave the batch, so that the

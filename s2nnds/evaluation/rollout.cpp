@@ -19,7 +19,7 @@ namespace {
 namespace odeint = boost::numeric::odeint;
 using State = std::vector<double>;
 
-constexpr int kMostSteps = 1'000'000;
+constexpr int kMostSteps = 50'000;
 constexpr double kFirstStep = 1e-3;
 constexpr int kBisections = 40;  // of a sub-step: to 1e-12 of it
 

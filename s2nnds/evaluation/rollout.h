@@ -32,6 +32,7 @@ struct Rollout {
 // Integrates with an adaptive Runge-Kutta method (Dormand-Prince 5(4), Boost.Odeint). The motion is followed
 // on the dense output in sub-steps of at most 0.005 of length, so that a set is noticed if the motion stays
 // in it that long (a single step longer than 5 is looked at 1,024 times); the moment of entry is bisected.
+// After 50,000 steps the motion counts as failed.
 // Leaving the workspace includes entering the shell. The last point is where the motion stopped. f must be n
 // -> n; throws Error on other dimensions.
 Rollout roll_out(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
@@ -49,7 +50,8 @@ Points roll_out_at(const LayerStack& f, const Vector& start, const Vector& times
 struct BatchRolloutOptions {
   double step = 0.5;        // longest step, normalised time
   double tolerance = 3e-4;  // largest local error of a step, normalised position
-  double duration = 40.0;   // longest normalised time; not at the goal by then counts as unsafe
+  // Longest normalised time; not at the goal by then, or after 2,000 steps, counts as unsafe.
+  double duration = 40.0;
   double goal_radius = 0.02;
 };
 std::vector<bool> rollout_is_safe(const LayerStack& f, const SafetyProblem& problem, const Points& starts,

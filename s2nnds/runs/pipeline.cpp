@@ -82,9 +82,11 @@ ConditionVerdict side_condition(const char* name, bool holds) {
 
 // The proof's verdicts on all conditions and on what invariance needs besides; open boxes go into the record.
 std::vector<ConditionVerdict> verify_by_proof(const Setup& setup, RunRecord& record,
-                                              const VerificationOptions& options) {
+                                              const VerificationOptions& options,
+                                              const ProofProgress& progress) {
   const ProofFunctions functions = ProofFunctions::of(record.networks);
-  const ProofResult result = prove(functions, setup.problem, record.certificate.band, options.proof);
+  const ProofResult result =
+      prove(functions, setup.problem, record.certificate.band, options.proof, progress);
   std::vector<ConditionVerdict> verdicts;
   record.open_boxes.clear();
   for (const ConditionProof& proof : result.conditions) {
@@ -235,7 +237,7 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
 }
 
 void verify(const Setup& setup, RunRecord& record, const std::string& method,
-            const VerificationOptions& options) {
+            const VerificationOptions& options, const ProofProgress& progress) {
   const Stopwatch watch;
   Certificate& certificate = record.certificate;
   const std::string hash = weight_hash(record.networks);
@@ -255,7 +257,7 @@ void verify(const Setup& setup, RunRecord& record, const std::string& method,
   } else {
     check(method == "proof", "verification: found method \"{}\", expected sampled, conformal or proof",
           method);
-    verdicts = verify_by_proof(setup, record, options);
+    verdicts = verify_by_proof(setup, record, options, progress);
   }
   std::erase_if(certificate.conditions, [&](const ConditionVerdict& old) { return old.method == method; });
   certificate.conditions.insert(certificate.conditions.end(), verdicts.begin(), verdicts.end());

@@ -43,9 +43,9 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
 
 // Verifies the record's networks by "sampled", "conformal" or "proof" and updates its certificate: the
 // guarantee is the strongest one that these weights have passed. Each conformal call is a further attempt,
-// which spends its share of beta.
+// which spends its share of beta. `progress` hears of the proof's levels.
 void verify(const Setup& setup, RunRecord& record, const std::string& method,
-            const VerificationOptions& options);
+            const VerificationOptions& options, const ProofProgress& progress = nullptr);
 
 // Fills in errors, areas, the rollouts from the demonstrations' first points, and the grid for figures.
 void evaluate(const Setup& setup, RunRecord& record);

@@ -12,6 +12,8 @@ namespace {
 constexpr Eigen::Index kEnoughBoxes = 4096;  // a finer cover costs more than it saves
 constexpr int kMostHalvings = 40;
 constexpr std::int64_t kDrawsPerPoint = 1000;
+// Whether a band is too thin by far is judged after so many draws a point, and not before so many draws.
+constexpr std::int64_t kLookPerPoint = 10, kFirstLook = 10 * kDrawsPerPoint;
 constexpr std::int64_t kLargestBatch = 65536;
 
 // Each box cut in two across the axis: [2 M, n].
@@ -79,7 +81,10 @@ Points BandSampler::sample(std::int64_t count, RandomStream& random) const {
   Eigen::Index rows = 0;
   const std::int64_t batch = std::min(count, kLargestBatch);
   for (std::int64_t draws = 0; rows < count && lower_.rows() > 0; draws += batch) {
-    const bool hopeless = rows == 0 && draws >= 10 * count;
+    // Twice as thin as it may be. Where the points found lie plays no part in giving up, so that those which
+    // are returned after all are i.i.d. nevertheless.
+    const bool hopeless =
+        draws >= std::max(kLookPerPoint * count, kFirstLook) && 2 * kDrawsPerPoint * rows < draws;
     if (hopeless || draws / kDrawsPerPoint >= count) break;
     const Points x = draw(batch, random);
     const Points barrier = barrier_.value(x);

@@ -16,8 +16,9 @@ class BandSampler {
   // Throws Error unless `within` is finite and of B's dimension.
   BandSampler(const LayerStack& B, const Box& within, double band);
 
-  // [count, n]. Fewer rows (none at all, if nothing turns up soon) when the band is too thin even for this:
-  // more than a thousand draws a point. A B without a finite value counts as within the band.
+  // [count, n]. Fewer rows, perhaps none, when the band is too thin even for this: more than a thousand draws
+  // a point, or so few points to begin with that it would take twice as many. A B without a finite value
+  // counts as within the band.
   Points sample(std::int64_t count, RandomStream& random) const;
   // The volume of what is sampled by rejection, at least that of the band.
   double cover_volume() const;

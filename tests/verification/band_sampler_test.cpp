@@ -84,6 +84,19 @@ TEST(BandSampler, FindsNothingWhereThereIsNoBand) {
   EXPECT_LT(thin.sample(100, random).rows(), 100);
 }
 
+// One draw in 5,000 hits this band: known early on, so that nobody waits for the fifty million draws which
+// would find a fifth of the points.
+TEST(BandSampler, GivesUpEarlyOnABandThatIsTooThinByFar) {
+  const BandSampler thin(linear(Points{{1.0, 0.0}}, -0.3), Box::cube(2, 1.0), 5e-8);
+  const double share = 4 * 5e-8 / thin.cover_volume();
+  EXPECT_GT(share, 1.0 / 20000);
+  EXPECT_LT(share, 1.0 / 2500);
+  RandomStream random(3, "test");
+  const Points x = thin.sample(50000, random);
+  EXPECT_GT(x.rows(), 0);
+  EXPECT_LT(x.rows(), 1000);
+}
+
 TEST(BandSampler, RefusesMisuse) {
   EXPECT_THROW(BandSampler(linear(Points{{1.0, 0.0}}, 0.0), Box::cube(3, 1.0), 0.1), Error);
   EXPECT_THROW(BandSampler(linear(Points{{1.0, 0.0}}, 0.0), Box::cube(2, INFINITY), 0.1), Error);
