@@ -422,7 +422,7 @@ def phase_portrait_3d(run, grid):
     handles.append(goal_handle())
     lower, upper = run.problem.workspace_lower, run.problem.workspace_upper
     ax.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
-    ax.set_box_aspect(upper - lower)
+    ax.set_box_aspect(upper - lower, zoom=0.92)  # room for the labels
     ax.set_xlabel(axis_label(run, 0))
     ax.set_ylabel(axis_label(run, 1))
     ax.set_zlabel(axis_label(run, 2))

@@ -68,7 +68,8 @@ class Notebooks(unittest.TestCase):
         results = os.path.join(self.folder, "results.json")
         row = {"run": self.run_file, "seed": 0, "trial": "Sine-seed0"}
         with open(results, "w", encoding="utf-8") as file:
-            json.dump({"experiment": "lasa_table", "created": "today", "program_version": "1", "seeds": [0], "runs": [row],
+            rows = [row, {**row, "trial": "Sine-seed0-uncertified"}]  # of these only certified runs are drawn
+            json.dump({"experiment": "lasa_table", "created": "today", "program_version": "1", "seeds": [0], "runs": rows,
                        "tables": {"accuracy": {"head": ["motion"], "rows": [["Sine"]]}}}, file)  # fmt: skip
         executed = self.execute("paper.ipynb", S2NNDS_RESULTS=results)
         self.assertEqual(executed.count('"image/png"'), 1)
