@@ -99,8 +99,10 @@ std::string verdict_cell(const json& condition) {
   return fmt::format("refuted at ({:.3f}, {:.3f})", witness.at(0), witness.at(1));
 }
 
-json run(const Arguments& arguments) {
+Report run(const Arguments& arguments) {
   std::vector<Trial> trials;
+  for (const Motion& motion : kMotions)
+    read_published_abc_ds(motion.name, arguments.data);  // before training
   for (const Motion& motion : kMotions)
     for (Trial& trial : trials_of(motion, arguments)) trials.push_back(std::move(trial));
   const std::vector<TrialResult> results = run_trials(trials, arguments);
@@ -169,11 +171,10 @@ json run(const Arguments& arguments) {
       {"tables", {{"errors", errors.json()}, {"areas", areas.json()}, {"claims", claims.json()}}},
       {"runs", runs},
       {"abc_ds", published_rows}};
-  if (arguments.figures) {
-    draw_all(results, arguments);
-    draw_together("fig4", "against", results, arguments, found);
-  }
-  return found;
+  return {found, [=] {
+            draw_all(results, arguments);
+            draw_together("fig4", "against", results, arguments, found);
+          }};
 }
 
 }  // namespace

@@ -8,9 +8,8 @@
 namespace {
 
 using namespace s2nnds::experiment;
-using nlohmann::json;
 
-json run(const Arguments& arguments) {
+Report run(const Arguments& arguments) {
   return report_runs(
       run_trials(seed_trials("cluttered_sine", "other/cluttered_sine.toml", arguments), arguments),
       arguments);

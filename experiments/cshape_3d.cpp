@@ -9,9 +9,8 @@
 namespace {
 
 using namespace s2nnds::experiment;
-using nlohmann::json;
 
-json run(const Arguments& arguments) {
+Report run(const Arguments& arguments) {
   return report_runs(run_trials(seed_trials("cshape_3d", "other/cshape_3d.toml", arguments), arguments),
                      arguments);
 }

@@ -76,7 +76,7 @@ struct Columns {
   double middle(const std::string& key) const { return median(of.at(key)); }
 };
 
-json run(const Arguments& arguments) {
+Report run(const Arguments& arguments) {
   std::vector<Trial> trials;
   for (const Motion& motion : kMotions)
     for (Trial& trial : trials_of(motion, arguments)) trials.push_back(std::move(trial));
@@ -87,15 +87,12 @@ json run(const Arguments& arguments) {
   Table accuracy({"motion", "train MSE", "test MSE", "test SD", "test DTW", "splits invariant",
                   "mean of splits", "best", "uncertified mean", "price", "GP mean", "published"});
   Columns all;
-  json runs = json::array();
   for (const Motion& motion : kMotions) {
     Columns own;
     std::vector<double> certified, free;
     int invariant_splits = 0;
     for (const TrialResult& result : results) {
       if (result.trial.config != std::string("lasa/") + motion.name + ".toml") continue;
-      runs.push_back(result.summary);
-      runs.back()["trial"] = result.trial.name;
       const std::string& name = result.trial.name;
       const bool split = name.find("-test") != std::string::npos, without = name.ends_with("-uncertified");
       if (split) (without ? free : certified).push_back(result.summary["mse_test"]);
@@ -128,14 +125,15 @@ json run(const Arguments& arguments) {
                   fmt::format("{:.2g}", all.middle("disturbance_margin"))});
   const Table robustness = table_of_robustness(results, arguments);
   fmt::print("{}\n{}\n{}", guarantees.text(), accuracy.text(), robustness.text());
-  if (arguments.figures) {
-    draw_all(results, arguments);
-    draw_together("fig2", "panels", results, arguments);
-  }
-  return {
-      {"tables",
-       {{"guarantees", guarantees.json()}, {"accuracy", accuracy.json()}, {"robustness", robustness.json()}}},
-      {"runs", runs}};
+  return {{{"tables",
+            {{"guarantees", guarantees.json()},
+             {"accuracy", accuracy.json()},
+             {"robustness", robustness.json()}}},
+           {"runs", summaries_of(results)}},
+          [=] {
+            draw_all(results, arguments);
+            draw_together("fig2", "panels", results, arguments);
+          }};
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ std::string write_recordings(const std::string& folder) {
   return "data.files=" + files.dump();
 }
 
-json run(const Arguments& arguments) {
+Report run(const Arguments& arguments) {
   const std::string files = write_recordings(arguments.out + "/recordings");
   std::vector<Trial> trials = seed_trials("pick_box", "other/pick_box.toml", arguments);
   for (Trial& trial : seed_trials("robot", "recordings/robot.toml", arguments, {files}))

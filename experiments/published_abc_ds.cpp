@@ -38,11 +38,15 @@ PublishedAbcDs read_published_abc_ds(const std::string& motion, const std::strin
   const std::string path = data + "/abc_ds/" + motion + "_result.json";
   std::ifstream file(path);
   check(file.good(), "{}: cannot be read, expected the published ABC-DS result", path);
-  const nlohmann::json json = nlohmann::json::parse(file);
-  PublishedAbcDs published{polynomials(json.at("f_fh_str_arr")), polynomials(json.at("V_fh_str_arr")),
-                           polynomials(json.at("B_fh_str_arr"))};
-  published.V = {without_linear_noise(published.V.at(0))};
-  return published;
+  try {
+    const nlohmann::json json = nlohmann::json::parse(file);
+    PublishedAbcDs published{polynomials(json.at("f_fh_str_arr")), polynomials(json.at("V_fh_str_arr")),
+                             polynomials(json.at("B_fh_str_arr"))};
+    published.V = {without_linear_noise(published.V.at(0))};
+    return published;
+  } catch (const nlohmann::json::exception& error) {
+    fail("{}: {}, expected JSON with f_fh_str_arr, V_fh_str_arr and B_fh_str_arr", path, error.what());
+  }
 }
 
 Points PublishedAbcDs::velocity(const Points& x) const {

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "program/python_script.h"
+#include "program/writable.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/whole_file.h"
 #include "s2nnds/data/readers.h"
@@ -36,17 +37,14 @@ std::vector<std::string> assignments_of(const Trial& trial, const Arguments& arg
 
 enum class State { absent, begun, finished };
 
-// Of the trial's run file; a file of another configuration counts as absent.
+// Of the trial's run file. Throws Error when something else is there, which a run would replace.
 State state_of(const std::string& run, const std::string& resolved) {
   if (!fs::exists(run)) return State::absent;
-  try {
-    const RunRecord record = load_run(run);
-    if (record.config.resolved != resolved) return State::absent;
-    if (!record.checkpoint || !record.checkpoint->finished) return State::begun;
-    return std::isnan(record.evaluation.mse_train) ? State::begun : State::finished;
-  } catch (const Error&) {
-    return State::absent;
-  }
+  const RunRecord record = load_run(run);
+  check(record.config.resolved == resolved,
+        "{}: found a run of another configuration, expected another --out or none of its runs there", run);
+  if (!record.checkpoint || !record.checkpoint->finished) return State::begun;
+  return std::isnan(record.evaluation.mse_train) ? State::begun : State::finished;
 }
 
 std::vector<std::string> command_of(const Trial& trial, const Arguments& arguments, const std::string& run,
@@ -70,6 +68,11 @@ std::string last_line(const std::string& path) {
     if (!line.empty()) last = line;
   }
   return last;
+}
+
+const char* outcome(const Trial& trial, int exit_code) {
+  if (exit_code == 0) return "certified";
+  return trial.name.ends_with("-uncertified") ? "trained without conditions" : "NOT certified";
 }
 
 TrialResult read(const Trial& trial, const std::string& run) {
@@ -111,10 +114,12 @@ std::vector<TrialResult> run_trials(const std::vector<Trial>& trials, const Argu
     if (!end) continue;
     const Trial& trial = trials[static_cast<std::size_t>(end->id)];
     const std::string log = fs::path(arguments.out) / (trial.name + ".log");
-    check(end->signal == 0 && (end->exit_code == 0 || end->exit_code == 3), "{}: exit code {}, signal {}: {}",
-          trial.name, end->exit_code, end->signal, last_line(log));
+    check(end->signal == 0 && (end->exit_code == 0 || end->exit_code == 3), "{}: {} ({})", trial.name,
+          last_line(log),
+          end->signal == 0 ? fmt::format("exit code {}", end->exit_code)
+                           : fmt::format("signal {}", end->signal));
     fmt::print(stderr, "[{}/{}] {}: {} after {:.0f} s\n", ++ended, waiting.size(), trial.name,
-               end->exit_code == 0 ? "certified" : "NOT certified", end->seconds);
+               outcome(trial, end->exit_code), end->seconds);
   }
   std::vector<TrialResult> results;
   for (std::size_t k = 0; k < trials.size(); ++k) results.push_back(read(trials[k], runs[k]));
@@ -191,8 +196,43 @@ std::vector<std::string> uncertified() {
           "training.growth_rounds=0", "training.samples=1000",      "verification.method=\"sampled\""};
 }
 
+namespace {
+
+void check_seeds(const Arguments& arguments) {
+  check(!arguments.seeds.empty(), "--seeds: found none, expected one or more");
+  std::vector<int> sorted = arguments.seeds;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  check(twice == sorted.end(), "--seeds: found {} twice, expected each seed once",
+        twice == sorted.end() ? 0 : *twice);
+  for (const std::string& assignment : arguments.assignments) {
+    const std::string key = assignment.substr(0, assignment.find_first_of("= "));
+    check(key != "seed", "--set {}: expected --seeds, which all runs of a driver have", assignment);
+  }
+}
+
+// Fills in what the command line left open and finds out what is wrong with it before hours of training.
+void prepare(Arguments& arguments, const std::string& name) {
+  check_seeds(arguments);
+  const bool standard =
+      !arguments.quick && arguments.assignments.empty() && arguments.seeds == Arguments{}.seeds;
+  arguments.data = data_directory(arguments.data);
+  if (arguments.quick) arguments.seeds.resize(1);
+  fs::create_directories(arguments.out);
+  if (arguments.figures) fs::create_directories(fs::path(arguments.out) / "figures");
+  if (arguments.results.empty()) {
+    const fs::path folder = standard ? fs::path(S2NNDS_EXPERIMENTS) / "results" : fs::path(arguments.out);
+    fs::create_directories(folder);
+    arguments.results = folder / (name + ".json");
+  }
+  program::check_writable(arguments.results);
+}
+
+}  // namespace
+
 int run_driver(int argc, char** argv, const std::string& name, const std::string& about,
-               const std::function<nlohmann::json(const Arguments&)>& body) {
+               const std::function<Report(const Arguments&)>& body) {
+  using nlohmann::json;
   CLI::App app(about, name);
   Arguments arguments;
   arguments.out = "runs/" + name;
@@ -200,33 +240,37 @@ int run_driver(int argc, char** argv, const std::string& name, const std::string
   app.add_option("--data", arguments.data,
                  "folder of the data files (else $S2NNDS_DATA, else ../shared/data)");
   app.add_option("--out", arguments.out, "folder for run files and figures")->capture_default_str();
-  app.add_option(
-      "--results", arguments.results,
-      "results file (default: experiments/results/" + name + ".json; with --quick or --set in --out)");
+  app.add_option("--results", arguments.results,
+                 "results file (default: experiments/results/" + name +
+                     ".json; with --quick, --set or --seeds in --out)");
   app.add_option("--set", arguments.assignments, "key=value, overrides every run's configuration");
   app.add_option("--seeds", arguments.seeds, "seeds of every problem")->capture_default_str();
-  app.add_option("--jobs", arguments.jobs, "runs at a time; 0: one a core");
+  app.add_option("--jobs", arguments.jobs, "runs at a time; 0: one a core")->check(CLI::Range(0, 4096));
   app.add_flag("--quick", arguments.quick, "one seed and one split of every problem");
   app.add_flag("--no-figures", no_figures, "draw nothing");
-  CLI11_PARSE(app, argc, argv);
   try {
+    app.parse(argc, argv);
     arguments.figures = !no_figures;
-    arguments.data = data_directory(arguments.data);
-    if (arguments.quick) arguments.seeds.resize(1);
-    if (arguments.results.empty()) {
-      const bool standard = !arguments.quick && arguments.assignments.empty();
-      const fs::path folder = standard ? fs::path(S2NNDS_EXPERIMENTS) / "results" : fs::path(arguments.out);
-      fs::create_directories(folder);
-      arguments.results = folder / (name + ".json");
-    }
-    nlohmann::json results = {{"experiment", name},           {"program_version", program_version()},
-                              {"created", time_stamp()},      {"seeds", arguments.seeds},
-                              {"set", arguments.assignments}, {"quick", arguments.quick}};
-    results.update(body(arguments));
+    prepare(arguments, name);
+    json results = {{"experiment", name},           {"program_version", program_version()},
+                    {"created", time_stamp()},      {"seeds", arguments.seeds},
+                    {"set", arguments.assignments}, {"quick", arguments.quick}};
+    const Report report = body(arguments);
+    results.update(report.results);
     write_whole_file(arguments.results, results.dump(1) + "\n", "the results");
     fmt::print(stderr, "results: {}\n", arguments.results);
+    if (arguments.figures) report.draw();
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "{}: {}\n", name, error.what());
+    return 2;
   } catch (const Error& error) {
     fmt::print(stderr, "{}: {}\n", name, error.what());
+    return 2;
+  } catch (const fs::filesystem_error& error) {
+    fmt::print(stderr, "{}: {}: {}, expected a folder that can be written\n", name, error.path1().string(),
+               error.code().message());
     return 2;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}: internal failure: {}\n", name, error.what());
@@ -265,6 +309,10 @@ Table table_of_runs(const std::vector<TrialResult>& results) {
     const auto cell = [&](const char* key, const char* form) {
       return s[key].is_null() ? std::string("-") : fmt::format(fmt::runtime(form), s[key].get<double>());
     };
+    // Without a guarantee {B <= 0} is no safe set.
+    const auto guaranteed = [&](const char* key, const char* form) {
+      return s["guarantee"] == "none" ? std::string("-") : cell(key, form);
+    };
     const double boxes = proof_boxes(s);
     table.add(
         {result.trial.name, s["guarantee"], cell("rounds", "{:.0f}"),
@@ -272,43 +320,54 @@ Table table_of_runs(const std::vector<TrialResult>& results) {
          s["seconds"].contains("proof") ? fmt::format("{:.2f}", s["seconds"]["proof"].get<double>()) : "-",
          boxes > 0.0 ? fmt::format("{:.0f}", boxes) : "-", cell("mse_train", "{:.4f}"),
          cell("mse_test", "{:.4f}"), cell("sd_test", "{:.3f}"), cell("dtw_test", "{:.4f}"),
-         cell("safe_area", "{:.2f}"), cell("safe_area_ratio", "{:.3f}"),
-         cell("disturbance_margin", "{:.2g}")});
+         guaranteed("safe_area", "{:.2f}"), guaranteed("safe_area_ratio", "{:.3f}"),
+         guaranteed("disturbance_margin", "{:.2g}")});
   }
   return table;
 }
 
 Table table_of_robustness(const std::vector<TrialResult>& results, const Arguments& arguments) {
-  Table table({"run", "starts", "motions", "arrive", "without certificate", "safe", "without",
-               "closest to Xu", "without", "time to goal", "without"});
+  Table table({"run", "starts", "motions", "arrive", "without certificate", "in {B <= 0}", "of these arrive",
+               "safe", "without", "closest to Xu", "without", "time to goal", "without"});
   for (const TrialResult& certified : results) {
     const auto free = std::find_if(results.begin(), results.end(), [&](const TrialResult& other) {
       return other.trial.name == certified.trial.name + "-uncertified";
     });
     if (free == results.end() || certified.trial.name.find("-test") != std::string::npos) continue;
     const Setup setup = set_up(certified.record, arguments.data);
-    const auto measure = [&](const TrialResult& result) {
-      return measure_robustness(result.record.networks.f, setup.problem, setup.demonstrations, 0);
-    };
-    const auto ours = measure(certified), theirs = measure(*free);
+    const auto ours = measure_robustness(certified.record.networks.f, &certified.record.networks.B,
+                                         setup.problem, setup.demonstrations, 0);
+    const auto theirs =
+        measure_robustness(free->record.networks.f, nullptr, setup.problem, setup.demonstrations, 0);
     for (std::size_t k = 0; k < ours.size(); ++k) {
-      const auto share = [](double value) { return fmt::format("{:.3f}", value); };
+      const auto cell = [](double value, int digits = 3) {
+        return std::isnan(value) ? std::string("-") : fmt::format("{:.{}f}", value, digits);
+      };
       table.add({certified.trial.name, ours[k].starts, std::to_string(ours[k].motions),
-                 share(ours[k].converged), share(theirs[k].converged), share(ours[k].safe),
-                 share(theirs[k].safe), share(ours[k].closest), share(theirs[k].closest),
-                 fmt::format("{:.2f}", ours[k].time_to_goal), fmt::format("{:.2f}", theirs[k].time_to_goal)});
+                 cell(ours[k].converged), cell(theirs[k].converged), std::to_string(ours[k].covered),
+                 cell(ours[k].covered_converged), cell(ours[k].safe), cell(theirs[k].safe),
+                 cell(ours[k].closest), cell(theirs[k].closest), cell(ours[k].time_to_goal, 2),
+                 cell(theirs[k].time_to_goal, 2)});
     }
   }
   return table;
 }
 
-nlohmann::json report_runs(const std::vector<TrialResult>& results, const Arguments& arguments) {
+Report report_runs(const std::vector<TrialResult>& results, const Arguments& arguments) {
   const Table table = table_of_runs(results), robustness = table_of_robustness(results, arguments);
   fmt::print("{}\n{}", table.text(), robustness.text());
-  if (arguments.figures) draw_all(results, arguments);
+  return {{{"tables", {{"runs", table.json()}, {"robustness", robustness.json()}}},
+           {"runs", summaries_of(results)}},
+          [=] { draw_all(results, arguments); }};
+}
+
+nlohmann::json summaries_of(const std::vector<TrialResult>& results) {
   nlohmann::json runs = nlohmann::json::array();
-  for (const TrialResult& result : results) runs.push_back(result.summary);
-  return {{"tables", {{"runs", table.json()}, {"robustness", robustness.json()}}}, {"runs", runs}};
+  for (const TrialResult& result : results) {
+    runs.push_back(result.summary);
+    runs.back()["trial"] = result.trial.name;
+  }
+  return runs;
 }
 
 double median(std::vector<double> values) {

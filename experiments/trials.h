@@ -26,7 +26,7 @@ class Table {
 struct Arguments {
   std::string data;                      // folder of the data files
   std::string out;                       // folder of the run files
-  std::string results;                   // JSON file; "" with --quick and in `out` then
+  std::string results;                   // JSON file
   std::vector<std::string> assignments;  // key=value, for every run
   std::vector<int> seeds = {0, 1, 2};
   int jobs = 0;  // runs at a time; 0: one a core
@@ -51,8 +51,8 @@ struct TrialResult {
 
 // Runs the trials, each in its own process with its share of the cores, and returns them in their order. A
 // trial whose finished run file is there already, of the same configuration, is not repeated; one that was
-// interrupted goes on. Says on stderr how far it is. Throws Error when a run fails (ending without a
-// certificate is no failure).
+// interrupted goes on; a file of another configuration in its place is an error before any run begins. Says
+// on stderr how far it is. Throws Error when a run fails (ending without a certificate is no failure).
 std::vector<TrialResult> run_trials(const std::vector<Trial>& trials, const Arguments& arguments);
 
 // Draws the phase portrait and the other figures of each run that is_drawn names into OUT/figures/NAME.
@@ -72,9 +72,18 @@ std::vector<Trial> seed_trials(const std::string& name, const std::string& confi
 std::vector<Trial> split_trials(const std::string& name, const std::string& config,
                                 const Arguments& arguments);
 
-// Prints one row a run and how robust the motions are, draws the first seed's, and returns both tables and
-// the runs for the results file: all that a driver of few runs has to say.
-nlohmann::json report_runs(const std::vector<TrialResult>& results, const Arguments& arguments);
+// What a driver found, and how its figures are drawn once that is written down.
+struct Report {
+  nlohmann::json results;
+  std::function<void()> draw;
+};
+
+// Prints one row a run and how robust the motions are; both tables and the runs for the results file, and
+// figures of the first seed: all that a driver of few runs has to say.
+Report report_runs(const std::vector<TrialResult>& results, const Arguments& arguments);
+
+// The runs' summaries, each with its trial's name.
+nlohmann::json summaries_of(const std::vector<TrialResult>& results);
 
 // A certified trial of the first seed: the one that is drawn.
 bool is_drawn(const Trial& trial, const Arguments& arguments);
@@ -87,10 +96,10 @@ double proof_boxes(const nlohmann::json& summary);
 std::vector<std::string> uncertified();
 
 // Runs a driver: its command line (--data, --out, --results, --set, --seeds, --jobs, --quick, --no-figures),
-// then `body`, whose JSON goes to the results file beside the program's version, time and arguments. Returns
-// the exit code. `name` is the driver's.
+// then `body`, whose results go to the results file beside the program's version, time and arguments, then
+// its figures. Returns the exit code. `name` is the driver's.
 int run_driver(int argc, char** argv, const std::string& name, const std::string& about,
-               const std::function<nlohmann::json(const Arguments&)>& body);
+               const std::function<Report(const Arguments&)>& body);
 
 // One row a run: what is guaranteed, and how good the motion is.
 Table table_of_runs(const std::vector<TrialResult>& results);

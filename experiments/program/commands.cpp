@@ -1,7 +1,6 @@
 #include "commands.h"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -16,6 +15,7 @@
 #include "s2nnds/evaluation/trajectory_metrics.h"
 #include "s2nnds/runs/pipeline.h"
 #include "s2nnds/runs/threads.h"
+#include "writable.h"
 
 namespace s2nnds::program {
 namespace {
@@ -58,15 +58,6 @@ int exit_code(const Setup& setup, const RunRecord& record) {
                            : method == "conformal" ? Guarantee::conformal
                                                    : Guarantee::sampled;
   return guarantee_from(record.certificate.guarantee) >= wanted ? kVerified : kNotVerified;
-}
-
-// Found out before hours of training are lost.
-void check_writable(const std::string& path) {
-  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
-  check(fs::is_directory(folder), "{}: cannot write it: {} is not a directory", path, folder.string());
-  check(::access(folder.c_str(), W_OK) == 0, "{}: cannot write it: no permission to write into {}", path,
-        folder.string());
-  check(!fs::is_directory(path), "{}: cannot write it: it is a directory", path);
 }
 
 std::string sibling(const std::string& run, const std::string& suffix) {
@@ -126,7 +117,7 @@ void verify_and_evaluate(const Setup& setup, RunRecord& record) {
   const VerificationOptions& options = setup.config.verification;
   s2nnds::verify(setup, record, "sampled", options);
   if (options.method != "sampled") s2nnds::verify(setup, record, "conformal", options);
-  if (options.method == "proof") s2nnds::verify(setup, record, "proof", options);
+  if (options.method == "proof") s2nnds::verify(setup, record, "proof", options, proof_printer());
   s2nnds::evaluate(setup, record);
 }
 
@@ -161,7 +152,7 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   if (arguments.epsilon) options.conformal.epsilon = *arguments.epsilon;
   if (arguments.beta) options.conformal.beta = *arguments.beta;
   validate(options);
-  s2nnds::verify(setup, record, arguments.method, options);
+  s2nnds::verify(setup, record, arguments.method, options, proof_printer());
   save_run(arguments.run, record);
   report(record, arguments.run, common);
   const std::string wanted = arguments.method == "proof" ? "proved" : "passed";

@@ -25,7 +25,7 @@ int run(int argc, char** argv) {
     sub->add_option("--data", common.data,
                     "folder of the data files (else $S2NNDS_DATA, else ../shared/data)");
     sub->add_option("--threads", common.threads, "threads of everything that computes; 0: all cores")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::Range(0, 4096));
     sub->add_flag("--json", common.json, "print one JSON object as the last line");
     return sub;
   };

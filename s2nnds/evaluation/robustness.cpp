@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/core/random.h"
-#include "s2nnds/problem/region_sampler.h"
+#include "s2nnds/problem/boundary_points.h"
 
 namespace s2nnds {
 namespace {
@@ -17,6 +18,9 @@ struct Motion {
   Points path;
   StopReason stop = StopReason::time_out;
   double duration = 0.0;
+  std::vector<Vector> placed;  // where it was put: its start, and where a displacement ended
+
+  bool is_safe() const { return stop == StopReason::reached_goal || stop == StopReason::time_out; }
 };
 
 bool is_free(const SafetyProblem& problem, const Vector& x) {
@@ -27,8 +31,10 @@ bool is_free(const SafetyProblem& problem, const Vector& x) {
 Motion follow(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
               const RolloutOptions& options) {
   const Rollout rollout = roll_out(f, problem, start, options);
-  return {rollout.position, rollout.stop,
-          rollout.time.size() > 0 ? rollout.time[rollout.time.size() - 1] : 0.0};
+  return {rollout.position,
+          rollout.stop,
+          rollout.time.size() > 0 ? rollout.time[rollout.time.size() - 1] : 0.0,
+          {start}};
 }
 
 Motion follow_pushed(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
@@ -39,6 +45,7 @@ Motion follow_pushed(const LayerStack& f, const SafetyProblem& problem, const Ve
   half.duration = 0.5 * whole.duration;
   Motion motion = follow(f, problem, start, half);
   const Vector moved = motion.path.row(motion.path.rows() - 1).transpose() + push;
+  motion.placed.push_back(moved);
   if (!is_free(problem, moved)) {
     motion.stop = problem.workspace.contains(moved) ? StopReason::entered_unsafe : StopReason::left_workspace;
     return motion;
@@ -46,14 +53,31 @@ Motion follow_pushed(const LayerStack& f, const SafetyProblem& problem, const Ve
   const Motion rest = follow(f, problem, moved, options);
   Points path(motion.path.rows() + rest.path.rows(), motion.path.cols());
   path << motion.path, rest.path;
-  return {path, rest.stop, motion.duration + rest.duration};
+  return {path, rest.stop, motion.duration + rest.duration, motion.placed};
 }
 
-double distance(const Points& path, const Points& obstacle) {
+double distance_of_point(const Eigen::RowVectorXd& point, const Eigen::Ref<const Points>& boundary) {
+  return std::sqrt((boundary.rowwise() - point).rowwise().squaredNorm().minCoeff());
+}
+
+// Some of the boundary's points tell which part of the path comes near, the others how near.
+double distance(const Points& path, const Points& boundary) {
+  constexpr Eigen::Index kFew = 1000;
+  constexpr double kFewAreWithin = 0.1;  // of any boundary point; normalised
+  const auto few = boundary.topRows(std::min(kFew, boundary.rows()));
+  Vector roughly(path.rows());
+  for (Eigen::Index i = 0; i < path.rows(); ++i) roughly[i] = distance_of_point(path.row(i), few);
+  const double near = roughly.minCoeff() + kFewAreWithin;
   double least = std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < path.rows(); ++i)
-    least = std::min(least, (obstacle.rowwise() - path.row(i)).rowwise().squaredNorm().minCoeff());
-  return std::sqrt(least);
+  for (Eigen::Index i = 0; i < path.rows(); ++i) {
+    if (roughly[i] <= near) least = std::min(least, distance_of_point(path.row(i), boundary));
+  }
+  return least;
+}
+
+bool is_covered(const Motion& motion, const LayerStack& barrier) {
+  return std::all_of(motion.placed.begin(), motion.placed.end(),
+                     [&](const Vector& x) { return barrier.value(Points(x.transpose()))(0, 0) <= 0.0; });
 }
 
 Points grid_of(const SafetyProblem& problem, int side) {
@@ -82,44 +106,57 @@ Vector normal(Eigen::Index n, RandomStream& random) {
 }
 
 MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& motions,
-                        const Points& obstacle) {
-  MotionOutcomes found{.starts = starts, .motions = static_cast<std::int64_t>(motions.size())};
+                        const LayerStack* barrier, const Points& boundary) {
+  MotionOutcomes found{.starts = starts,
+                       .motions = static_cast<std::int64_t>(motions.size()),
+                       .covered_converged = kNotMeasured,
+                       .closest = kNotMeasured,
+                       .mean_closest = kNotMeasured,
+                       .time_to_goal = kNotMeasured};
   std::vector<double> times, distances(motions.size(), kNotMeasured);
-  if (obstacle.rows() > 0) {
-    parallel_for(static_cast<std::ptrdiff_t>(motions.size()),
-                 [&](std::ptrdiff_t i, int) { distances[i] = distance(motions[i].path, obstacle); });
+  if (boundary.rows() > 0) {
+    parallel_for(static_cast<std::ptrdiff_t>(motions.size()), [&](std::ptrdiff_t i, int) {
+      if (motions[i].is_safe()) distances[i] = distance(motions[i].path, boundary);
+    });
   }
   if (motions.empty()) return found;
-  std::int64_t converged = 0, unsafe = 0;
+  std::int64_t converged = 0, safe = 0, covered_converged = 0;
   for (const Motion& motion : motions) {
-    if (motion.stop == StopReason::reached_goal) {
-      ++converged;
-      times.push_back(motion.duration);
-    }
-    unsafe += motion.stop == StopReason::entered_unsafe || motion.stop == StopReason::left_workspace ||
-              motion.stop == StopReason::step_failed;
+    const bool arrived = motion.stop == StopReason::reached_goal;
+    const bool covered = barrier && is_covered(motion, *barrier);
+    converged += arrived;
+    safe += motion.is_safe();
+    found.covered += covered;
+    covered_converged += covered && arrived;
+    if (arrived) times.push_back(motion.duration);
   }
   const auto count = static_cast<double>(motions.size());
   found.converged = static_cast<double>(converged) / count;
-  found.safe = 1.0 - static_cast<double>(unsafe) / count;
-  found.closest = *std::min_element(distances.begin(), distances.end());
-  for (const double d : distances) found.mean_closest += d / count;
+  found.safe = static_cast<double>(safe) / count;
+  if (found.covered > 0)
+    found.covered_converged = static_cast<double>(covered_converged) / static_cast<double>(found.covered);
+  std::erase_if(distances, [](double d) { return std::isnan(d); });
+  if (!distances.empty()) {
+    found.closest = *std::min_element(distances.begin(), distances.end());
+    found.mean_closest =
+        std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(distances.size());
+  }
   std::sort(times.begin(), times.end());
-  found.time_to_goal = times.empty() ? kNotMeasured : times[times.size() / 2];
+  if (!times.empty()) found.time_to_goal = times[times.size() / 2];
   return found;
 }
 
 }  // namespace
 
-std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const SafetyProblem& problem,
+std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const LayerStack* barrier,
+                                               const SafetyProblem& problem,
                                                const std::vector<Demonstration>& demonstrations,
                                                std::uint64_t seed, const RobustnessOptions& options) {
   const Eigen::Index n = problem.dimension();
-  Points obstacle(0, n);
-  const RegionSampler sampler(problem.unsafe, problem.workspace);
-  RandomStream obstacle_random(seed, "robustness/obstacle");
-  if (!sampler.empty())
-    obstacle = sampler.sample(static_cast<std::size_t>(options.obstacle_samples), obstacle_random);
+  RandomStream boundary_random(seed, "robustness/boundary");
+  const Points boundary = boundary_points(problem.unsafe, problem.workspace,
+                                          (n == 2 ? 1 : 8) * options.boundary_samples, boundary_random)
+                              .point;
 
   const auto all = [&](Eigen::Index count, const std::function<Motion(Eigen::Index)>& one) {
     std::vector<Motion> motions(static_cast<std::size_t>(count));
@@ -132,7 +169,7 @@ std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const Safety
       "grid",
       all(grid.rows(),
           [&](Eigen::Index i) { return follow(f, problem, grid.row(i).transpose(), options.rollout); }),
-      obstacle));
+      barrier, boundary));
 
   RandomStream beside(seed, "robustness/perturbed"), pushing(seed, "robustness/pushed");
   std::vector<Vector> perturbed, own, pushes;
@@ -155,14 +192,14 @@ std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const Safety
                                  return follow(f, problem, perturbed[static_cast<std::size_t>(i)],
                                                options.rollout);
                                }),
-                           obstacle));
+                           barrier, boundary));
   found.push_back(outcomes("pushed",
                            all(count,
                                [&](Eigen::Index i) {
                                  const auto k = static_cast<std::size_t>(i);
                                  return follow_pushed(f, problem, own[k], pushes[k], options.rollout);
                                }),
-                           obstacle));
+                           barrier, boundary));
   return found;
 }
 

@@ -11,9 +11,9 @@ namespace s2nnds {
 struct RobustnessOptions {
   int grid = 20;         // starts a side of a grid over the workspace (8 in 3-D); those in Xu are left out
   int repetitions = 10;  // perturbed starts and pushes of each demonstration's start
-  double perturbation = 0.1;  // standard deviation, per axis, of what is added to a start
-  double push = 0.1;          // length of the displacement in mid-motion, in a random direction
-  int obstacle_samples = 1000;
+  double perturbation = 0.1;             // standard deviation, per axis, of what is added to a start
+  double push = 0.1;                     // length of the displacement in mid-motion, in a random direction
+  std::int64_t boundary_samples = 4000;  // of Xu, to measure distances to (eight times as many in 3-D)
   RolloutOptions rollout = {};
 };
 
@@ -21,19 +21,25 @@ struct RobustnessOptions {
 struct MotionOutcomes {
   std::string starts;  // "grid", "perturbed", "pushed"
   std::int64_t motions = 0;
-  double converged = 0.0;     // share that reached the goal (without touching Xu or leaving X)
-  double safe = 0.0;          // share that neither touched Xu nor left X
-  double closest = 0.0;       // least distance of any motion's points to samples of Xu
-  double mean_closest = 0.0;  // mean over the motions of their least distances
-  double time_to_goal = 0.0;  // median over those that converged, NaN if none did
+  double converged = 0.0;  // share that reached the goal (without touching Xu or leaving X)
+  double safe = 0.0;       // share that neither touched Xu nor left X
+  // Of motions that start in {B <= 0} and whose displacement, if any, ends there: what a certificate of f and
+  // B speaks of. 0 of them without a B.
+  std::int64_t covered = 0;
+  double covered_converged = 0.0;  // share of these that reached the goal, NaN if there are none
+  double closest = 0.0;            // least distance of a safe motion's points to Xu, NaN if none is safe
+  double mean_closest = 0.0;       // mean over the safe motions of their least distances
+  double time_to_goal = 0.0;       // median over those that converged, NaN if none did
 };
 
 // Rolls f out from a grid of starts, from starts beside the demonstrations' first points, and from those
-// first points with a sudden displacement half way (of the time to the goal); a displacement that ends in Xu
-// or outside X counts as unsafe. As in roll_out, entering the shell is leaving X. Random numbers: streams
-// "robustness/..." of `seed`. Distances are measured to samples of Xu, so they are an upper bound, closer
-// than the samples' spacing; NaN without an obstacle.
-std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const SafetyProblem& problem,
+// first points with a sudden displacement half way (of the time to the goal; none where the motion does not
+// arrive even so); a displacement that ends in Xu or outside X counts as unsafe. As in roll_out, entering the
+// shell is leaving X. Random numbers: streams "robustness/..." of `seed`. Distances are measured to samples
+// of Xu's boundary, so they are too large, by less than the samples' spacing; NaN without an obstacle.
+// `barrier`: the B that f was certified with, if any.
+std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const LayerStack* barrier,
+                                               const SafetyProblem& problem,
                                                const std::vector<Demonstration>& demonstrations,
                                                std::uint64_t seed, const RobustnessOptions& options = {});
 

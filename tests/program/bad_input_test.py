@@ -3,6 +3,8 @@
 
 import os
 import resource
+import shutil
+import subprocess
 import unittest
 
 import command_line
@@ -322,6 +324,55 @@ class CommandTest(ProgramTest):
         code, out, err = self.call("--help")
         self.assertEqual((code, err), (0, ""))
         self.assertIn("verify", out)
+
+
+
+class DriverTest(ProgramTest):
+    """A driver of experiments/, which stands beside the program."""
+
+    def drive(self, *words):
+        driver = os.path.join(os.path.dirname(command_line.PROGRAM), "cluttered_sine")
+        done = subprocess.run(
+            [driver, "--data", self.folder, "--no-figures", *words], cwd=self.folder, capture_output=True, text=True
+        )
+        return done.returncode, done.stdout, done.stderr
+
+    def test_command_lines(self):
+        for words, *expected in (
+            (("--bogus",), "--bogus"),
+            (("--seeds", "a"), "--seeds"),
+            (("--seeds",), "--seeds"),
+            (("--seeds", "1", "2", "1"), "1 twice", "once"),
+            (("--jobs", "-3"), "--jobs"),
+            (("--set", "seed=7"), "seed=7", "--seeds"),
+            (("--set", "training.raunds=3"), "training.raunds"),
+            (("--results", "no_such_folder/x.json"), "no_such_folder"),
+        ):
+            with self.subTest(words=words):
+                self.assert_refused(self.drive("--out", "runs", *words), *expected, program="cluttered_sine")
+
+    def test_out_is_a_file(self):
+        with open(self.path("runs"), "wb") as file:
+            file.write(KEPT)
+        self.assert_refused(self.drive("--quick", "--out", "runs"), "runs", "folder", program="cluttered_sine")
+        with open(self.path("runs"), "rb") as file:
+            self.assertEqual(file.read(), KEPT)
+
+    def test_a_run_of_another_configuration_stays(self):
+        os.mkdir(self.path("runs"))
+        run = self.path("runs/cluttered_sine-seed0.h5")
+        for content, expected in ((self.trained(), "another configuration"), (None, "cluttered_sine-seed0.h5")):
+            if content:
+                shutil.copy(content, run)
+            else:
+                with open(run, "wb") as file:
+                    file.write(KEPT)
+            with open(run, "rb") as file:
+                before = file.read()
+            self.assert_refused(self.drive("--quick", "--out", "runs"), expected, program="cluttered_sine")
+            with open(run, "rb") as file:
+                self.assertEqual(file.read(), before)
+            self.assertEqual(os.listdir(self.path("runs")), ["cluttered_sine-seed0.h5"])
 
 
 if __name__ == "__main__":

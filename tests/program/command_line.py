@@ -185,13 +185,13 @@ class ProgramTest(unittest.TestCase):
         certify_by_hand(path)
         return path
 
-    def assert_refused(self, result, *words):
+    def assert_refused(self, result, *words, program="s2nnds"):
         """Bad input: exit code 2, nothing on stdout, one line on stderr that says all of `words`."""
         code, out, err = result
         self.assertEqual(code, 2, f"{err}{out}")
         self.assertEqual(out, "")
         self.assertEqual(err.count("\n"), 1, err)
-        self.assertTrue(err.startswith("s2nnds: "), err)
+        self.assertTrue(err.startswith(f"{program}: "), err)
         self.assertLess(len(err), 600)
         for word in words:
             self.assertIn(str(word), err)
