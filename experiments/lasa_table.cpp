@@ -69,9 +69,12 @@ struct Columns {
     of["train"].push_back(seconds.at("training"));
     of["proof"].push_back(seconds.value("proof", std::nan("")));
     of["boxes"].push_back(proof_boxes(summary));
-    for (const char* key : {"rounds", "mse_train", "mse_test", "sd_test", "dtw_test", "safe_area",
-                            "safe_area_ratio", "disturbance_margin"})
+    for (const char* key : {"rounds", "mse_train", "mse_test", "sd_test", "dtw_test"})
       of[key].push_back(summary[key].is_null() ? std::nan("") : summary[key].get<double>());
+    for (const char* key : {"safe_area", "safe_area_ratio", "disturbance_margin"}) {
+      std::vector<double>& guaranteed = of[key];
+      if (summary["guarantee"] != "none") guaranteed.push_back(summary[key]);
+    }
   }
   double middle(const std::string& key) const { return median(of.at(key)); }
 };

@@ -42,10 +42,14 @@ PublishedAbcDs read_published_abc_ds(const std::string& motion, const std::strin
     const nlohmann::json json = nlohmann::json::parse(file);
     PublishedAbcDs published{polynomials(json.at("f_fh_str_arr")), polynomials(json.at("V_fh_str_arr")),
                              polynomials(json.at("B_fh_str_arr"))};
+    check(published.f.size() == 2 && published.V.size() == 1 && published.B.size() == 1,
+          "found {}, {} and {} polynomials of f, V and B", published.f.size(), published.V.size(),
+          published.B.size());
     published.V = {without_linear_noise(published.V.at(0))};
     return published;
-  } catch (const nlohmann::json::exception& error) {
-    fail("{}: {}, expected JSON with f_fh_str_arr, V_fh_str_arr and B_fh_str_arr", path, error.what());
+  } catch (const std::exception& error) {
+    fail("{}: {}; expected JSON with f_fh_str_arr (2 polynomials), V_fh_str_arr and B_fh_str_arr", path,
+         error.what());
   }
 }
 

@@ -40,9 +40,15 @@ enum class State { absent, begun, finished };
 // Of the trial's run file. Throws Error when something else is there, which a run would replace.
 State state_of(const std::string& run, const std::string& resolved) {
   if (!fs::exists(run)) return State::absent;
-  const RunRecord record = load_run(run);
+  const RunRecord record = [&] {
+    try {
+      return load_run(run);
+    } catch (const Error& error) {
+      fail("{}; it is not replaced, expected another --out or no such file there", error.what());
+    }
+  }();
   check(record.config.resolved == resolved,
-        "{}: found a run of another configuration, expected another --out or none of its runs there", run);
+        "{}: found a run of another configuration, expected another --out or no such file there", run);
   if (!record.checkpoint || !record.checkpoint->finished) return State::begun;
   return std::isnan(record.evaluation.mse_train) ? State::begun : State::finished;
 }
@@ -85,7 +91,6 @@ TrialResult read(const Trial& trial, const std::string& run) {
 }  // namespace
 
 std::vector<TrialResult> run_trials(const std::vector<Trial>& trials, const Arguments& arguments) {
-  fs::create_directories(arguments.out);
   const int cores = available_cores(), jobs = arguments.jobs > 0 ? arguments.jobs : cores;
   const int threads = std::max(1, cores / jobs);
   std::vector<std::string> runs;
@@ -101,6 +106,7 @@ std::vector<TrialResult> run_trials(const std::vector<Trial>& trials, const Argu
                        command_of(trial, arguments, runs.back(), state == State::begun, threads),
                        base + ".log"});
   }
+  fs::create_directories(arguments.out);
   ProcessPool pool({{"OMP_WAIT_POLICY", "passive"}, {"OMP_NUM_THREADS", std::to_string(threads)}});
   std::size_t begun = 0, ended = 0;
   while (ended < waiting.size()) {
@@ -214,14 +220,17 @@ void check_seeds(const Arguments& arguments) {
 // Fills in what the command line left open and finds out what is wrong with it before hours of training.
 void prepare(Arguments& arguments, const std::string& name) {
   check_seeds(arguments);
+  check(!arguments.out.empty(), "--out: found nothing, expected a folder");
   const bool standard =
       !arguments.quick && arguments.assignments.empty() && arguments.seeds == Arguments{}.seeds;
   arguments.data = data_directory(arguments.data);
   if (arguments.quick) arguments.seeds.resize(1);
-  fs::create_directories(arguments.out);
-  if (arguments.figures) fs::create_directories(fs::path(arguments.out) / "figures");
+  if (arguments.results.empty() && !standard) {
+    arguments.results = fs::path(arguments.out) / (name + ".json");  // a folder that is yet to be made
+    return;
+  }
   if (arguments.results.empty()) {
-    const fs::path folder = standard ? fs::path(S2NNDS_EXPERIMENTS) / "results" : fs::path(arguments.out);
+    const fs::path folder = fs::path(S2NNDS_EXPERIMENTS) / "results";
     fs::create_directories(folder);
     arguments.results = folder / (name + ".json");
   }
@@ -335,8 +344,10 @@ Table table_of_robustness(const std::vector<TrialResult>& results, const Argumen
     });
     if (free == results.end() || certified.trial.name.find("-test") != std::string::npos) continue;
     const Setup setup = set_up(certified.record, arguments.data);
-    const auto ours = measure_robustness(certified.record.networks.f, &certified.record.networks.B,
-                                         setup.problem, setup.demonstrations, 0);
+    const Networks& networks = certified.record.networks;
+    const bool guaranteed = certified.record.certificate.guarantee != "none";
+    const auto ours = measure_robustness(networks.f, guaranteed ? &networks.B : nullptr, setup.problem,
+                                         setup.demonstrations, 0);
     const auto theirs =
         measure_robustness(free->record.networks.f, nullptr, setup.problem, setup.demonstrations, 0);
     for (std::size_t k = 0; k < ours.size(); ++k) {
@@ -344,10 +355,10 @@ Table table_of_robustness(const std::vector<TrialResult>& results, const Argumen
         return std::isnan(value) ? std::string("-") : fmt::format("{:.{}f}", value, digits);
       };
       table.add({certified.trial.name, ours[k].starts, std::to_string(ours[k].motions),
-                 cell(ours[k].converged), cell(theirs[k].converged), std::to_string(ours[k].covered),
-                 cell(ours[k].covered_converged), cell(ours[k].safe), cell(theirs[k].safe),
-                 cell(ours[k].closest), cell(theirs[k].closest), cell(ours[k].time_to_goal, 2),
-                 cell(theirs[k].time_to_goal, 2)});
+                 cell(ours[k].converged), cell(theirs[k].converged),
+                 guaranteed ? std::to_string(ours[k].covered) : "-", cell(ours[k].covered_converged),
+                 cell(ours[k].safe), cell(theirs[k].safe), cell(ours[k].closest), cell(theirs[k].closest),
+                 cell(ours[k].time_to_goal, 2), cell(theirs[k].time_to_goal, 2)});
     }
   }
   return table;

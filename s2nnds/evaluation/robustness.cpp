@@ -60,20 +60,34 @@ double distance_of_point(const Eigen::RowVectorXd& point, const Eigen::Ref<const
   return std::sqrt((boundary.rowwise() - point).rowwise().squaredNorm().minCoeff());
 }
 
-// Some of the boundary's points tell which part of the path comes near, the others how near.
-double distance(const Points& path, const Points& boundary) {
-  constexpr Eigen::Index kFew = 1000;
-  constexpr double kFewAreWithin = 0.1;  // of any boundary point; normalised
-  const auto few = boundary.topRows(std::min(kFew, boundary.rows()));
-  Vector roughly(path.rows());
-  for (Eigen::Index i = 0; i < path.rows(); ++i) roughly[i] = distance_of_point(path.row(i), few);
-  const double near = roughly.minCoeff() + kFewAreWithin;
-  double least = std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < path.rows(); ++i) {
-    if (roughly[i] <= near) least = std::min(least, distance_of_point(path.row(i), boundary));
+// Points of the obstacle's boundary, of which some tell what part of a path comes near, and all how near.
+class Obstacle {
+ public:
+  explicit Obstacle(Points boundary) : boundary_(std::move(boundary)) {
+    for (Eigen::Index i = 0; i < boundary_.rows(); ++i)
+      gap_ = std::max(gap_, distance_of_point(boundary_.row(i), few()));
   }
-  return least;
-}
+  bool is_empty() const { return boundary_.rows() == 0; }
+
+  double distance(const Points& path) const {
+    Vector roughly(path.rows());
+    for (Eigen::Index i = 0; i < path.rows(); ++i) roughly[i] = distance_of_point(path.row(i), few());
+    const double near = roughly.minCoeff() + gap_;
+    double least = std::numeric_limits<double>::infinity();
+    for (Eigen::Index i = 0; i < path.rows(); ++i) {
+      if (roughly[i] <= near) least = std::min(least, distance_of_point(path.row(i), boundary_));
+    }
+    return least;
+  }
+
+ private:
+  Eigen::Ref<const Points> few() const {
+    return boundary_.topRows(std::min<Eigen::Index>(1000, boundary_.rows()));
+  }
+
+  Points boundary_;
+  double gap_ = 0.0;  // the farthest of all from the few
+};
 
 bool is_covered(const Motion& motion, const LayerStack& barrier) {
   return std::all_of(motion.placed.begin(), motion.placed.end(),
@@ -106,7 +120,7 @@ Vector normal(Eigen::Index n, RandomStream& random) {
 }
 
 MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& motions,
-                        const LayerStack* barrier, const Points& boundary) {
+                        const LayerStack* barrier, const Obstacle& obstacle) {
   MotionOutcomes found{.starts = starts,
                        .motions = static_cast<std::int64_t>(motions.size()),
                        .covered_converged = kNotMeasured,
@@ -114,9 +128,9 @@ MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& mo
                        .mean_closest = kNotMeasured,
                        .time_to_goal = kNotMeasured};
   std::vector<double> times, distances(motions.size(), kNotMeasured);
-  if (boundary.rows() > 0) {
+  if (!obstacle.is_empty()) {
     parallel_for(static_cast<std::ptrdiff_t>(motions.size()), [&](std::ptrdiff_t i, int) {
-      if (motions[i].is_safe()) distances[i] = distance(motions[i].path, boundary);
+      if (motions[i].is_safe()) distances[i] = obstacle.distance(motions[i].path);
     });
   }
   if (motions.empty()) return found;
@@ -154,9 +168,9 @@ std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const LayerS
                                                std::uint64_t seed, const RobustnessOptions& options) {
   const Eigen::Index n = problem.dimension();
   RandomStream boundary_random(seed, "robustness/boundary");
-  const Points boundary = boundary_points(problem.unsafe, problem.workspace,
+  const Obstacle obstacle(boundary_points(problem.unsafe, problem.workspace,
                                           (n == 2 ? 1 : 8) * options.boundary_samples, boundary_random)
-                              .point;
+                              .point);
 
   const auto all = [&](Eigen::Index count, const std::function<Motion(Eigen::Index)>& one) {
     std::vector<Motion> motions(static_cast<std::size_t>(count));
@@ -169,7 +183,7 @@ std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const LayerS
       "grid",
       all(grid.rows(),
           [&](Eigen::Index i) { return follow(f, problem, grid.row(i).transpose(), options.rollout); }),
-      barrier, boundary));
+      barrier, obstacle));
 
   RandomStream beside(seed, "robustness/perturbed"), pushing(seed, "robustness/pushed");
   std::vector<Vector> perturbed, own, pushes;
@@ -192,14 +206,14 @@ std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const LayerS
                                  return follow(f, problem, perturbed[static_cast<std::size_t>(i)],
                                                options.rollout);
                                }),
-                           barrier, boundary));
+                           barrier, obstacle));
   found.push_back(outcomes("pushed",
                            all(count,
                                [&](Eigen::Index i) {
                                  const auto k = static_cast<std::size_t>(i);
                                  return follow_pushed(f, problem, own[k], pushes[k], options.rollout);
                                }),
-                           barrier, boundary));
+                           barrier, obstacle));
   return found;
 }
 

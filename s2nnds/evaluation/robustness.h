@@ -22,7 +22,7 @@ struct MotionOutcomes {
   std::string starts;  // "grid", "perturbed", "pushed"
   std::int64_t motions = 0;
   double converged = 0.0;  // share that reached the goal (without touching Xu or leaving X)
-  double safe = 0.0;       // share that neither touched Xu nor left X
+  double safe = 0.0;       // share that neither touched Xu nor left X, as far as it could be followed at all
   // Of motions that start in {B <= 0} and whose displacement, if any, ends there: what a certificate of f and
   // B speaks of. 0 of them without a B.
   std::int64_t covered = 0;
@@ -36,7 +36,7 @@ struct MotionOutcomes {
 // first points with a sudden displacement half way (of the time to the goal; none where the motion does not
 // arrive even so); a displacement that ends in Xu or outside X counts as unsafe. As in roll_out, entering the
 // shell is leaving X. Random numbers: streams "robustness/..." of `seed`. Distances are measured to samples
-// of Xu's boundary, so they are too large, by less than the samples' spacing; NaN without an obstacle.
+// of Xu's boundary, so they are too large, by the largest gap between these at most; NaN without an obstacle.
 // `barrier`: the B that f was certified with, if any.
 std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const LayerStack* barrier,
                                                const SafetyProblem& problem,

@@ -116,6 +116,16 @@ TEST(RollOut, FailsHonestlyWhenTheMotionEscapes) {
   EXPECT_TRUE(motion.position.allFinite());
 }
 
+// Towards the line x1 = 0 from both sides, where only ever shorter steps go on: nobody waits for these.
+TEST(RollOut, GivesUpAMotionThatChatters) {
+  const LayerStack chattering = {
+      .layers = {{.weight = Points{{2e4, 0.0}}, .bias = Vector{{0.0}}, .activation = Activation::tanh},
+                 {.weight = Points{{-1.0}, {0.0}}, .bias = {}, .activation = Activation::identity}}};
+  const Rollout motion = roll_out(chattering, open_problem(), Vector{{0.2, 0.5}});
+  EXPECT_EQ(motion.stop, StopReason::step_failed);
+  EXPECT_NEAR(motion.position(motion.position.rows() - 1, 0), 0.0, 1e-3);
+}
+
 TEST(RollOut, StopsOnlyWhereAsked) {
   SafetyProblem problem = open_problem();
   problem.unsafe = ball(Vector{{0.0, 1.0}}, 0.3);
