@@ -32,9 +32,8 @@ struct Rollout {
 // Integrates with an adaptive Runge-Kutta method (Dormand-Prince 5(4), Boost.Odeint). The motion is followed
 // on the dense output in sub-steps of at most 0.005 of length, so that a set is noticed if the motion stays
 // in it that long (a single step longer than 5 is looked at 1,024 times); the moment of entry is bisected.
-// After 50,000 steps the motion counts as failed.
-// Leaving the workspace includes entering the shell. The last point is where the motion stopped. f must be n
-// -> n; throws Error on other dimensions.
+// After 50,000 steps the motion counts as failed. Leaving the workspace includes entering the shell. The last
+// point is where the motion stopped. f must be n -> n; throws Error on other dimensions.
 Rollout roll_out(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
                  const RolloutOptions& options = {});
 

@@ -326,7 +326,6 @@ class CommandTest(ProgramTest):
         self.assertIn("verify", out)
 
 
-
 class DriverTest(ProgramTest):
     """A driver of experiments/, which stands beside the program."""
 
