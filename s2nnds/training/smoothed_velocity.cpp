@@ -6,6 +6,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
+#include "s2nnds/training/phase_regression.h"
 
 namespace s2nnds {
 namespace {
@@ -84,27 +85,33 @@ Setting best_setting(const std::vector<Fold>& folds) {
   return best;
 }
 
-// The Gaussian process of the demonstrations, of which there are at least two.
-struct Process {
-  Samples samples;
-  Setting setting;
-  Points velocity(const Points& x) const { return mean(samples, setting, x); }
-};
+// The average of two regressions that err in different ways: a Gaussian process knows only where a sample is,
+// the other also what comes before and after it. For at least two demonstrations.
+class Consensus {
+ public:
+  explicit Consensus(const std::vector<Demonstration>& demonstrations) : phases_(demonstrations) {
+    const auto count = static_cast<Eigen::Index>(demonstrations.size());
+    const Eigen::Index most = std::clamp<Eigen::Index>(kOfAll / count, 2, kOfOne);
+    samples_ = samples_of(demonstrations, most);
+    setting_ = best_setting(folds_of(demonstrations, most));
+  }
 
-Process fitted(const std::vector<Demonstration>& demonstrations) {
-  const auto count = static_cast<Eigen::Index>(demonstrations.size());
-  const Eigen::Index most = std::clamp<Eigen::Index>(kOfAll / count, 2, kOfOne);
-  return {samples_of(demonstrations, most), best_setting(folds_of(demonstrations, most))};
-}
+  Points velocity(const Points& x) const { return 0.5 * (mean(samples_, setting_, x) + phases_.velocity(x)); }
+
+ private:
+  PhaseRegression phases_;
+  Samples samples_;
+  Setting setting_{};
+};
 
 }  // namespace
 
 std::vector<Demonstration> smoothed(std::vector<Demonstration> demonstrations, double share) {
   check(share >= 0.0 && share <= 1.0, "smoothing: the share is {}, expected 0 to 1", share);
   if (share == 0.0 || demonstrations.size() < 2) return demonstrations;
-  const Process process = fitted(demonstrations);
+  const Consensus consensus(demonstrations);
   for (Demonstration& each : demonstrations) {
-    each.velocity += share * (process.velocity(each.position) - each.velocity);
+    each.velocity += share * (consensus.velocity(each.position) - each.velocity);
   }
   return demonstrations;
 }
@@ -114,13 +121,13 @@ std::vector<Demonstration> tube(const std::vector<Demonstration>& demonstrations
   check(width >= 0.0, "tube: the width is {}, expected >= 0", width);
   std::vector<Demonstration> copies;
   if (width == 0.0 || demonstrations.size() < 2) return copies;
-  const Process process = fitted(demonstrations);
+  const Consensus consensus(demonstrations);
   RandomStream random(seed, "tube");
   for (int k = 0; k < kCopies; ++k) {
     for (Demonstration copy : demonstrations) {
       for (Eigen::Index i = 0; i < copy.position.size(); ++i)
         copy.position.data()[i] += width * random.normal();
-      copy.velocity = process.velocity(copy.position);
+      copy.velocity = consensus.velocity(copy.position);
       copies.push_back(std::move(copy));
     }
   }

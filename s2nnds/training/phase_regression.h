@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "s2nnds/data/demonstration.h"
+
+namespace s2nnds {
+
+// The velocity at a point that the demonstrations of one motion agree on: Gaussian mixture regression
+// (Calinon, Guenter and Billard, On Learning, Representing and Generalizing a Task in a Humanoid Robot, 2007,
+// equation 11) with a component at each of some phases of the motion, 0 at its start and 1 at its end. Which
+// samples are at one phase is found by dynamic time warping to the mean motion (barycenter averaging), so a
+// component describes the same place of the motion in all demonstrations, however fast each came there.
+// Normalised units.
+class PhaseRegression {
+ public:
+  // Throws Error unless there are at least two demonstrations.
+  explicit PhaseRegression(const std::vector<Demonstration>& demonstrations);
+
+  Points velocity(const Points& x) const;  // [N, n] -> [N, n]
+
+ private:
+  // The velocity where a sample of this phase is at x: velocity + slope (x - position). The logarithm of the
+  // phase's density at x, but for a constant: log_scale - |whitening (x - position)|^2 / 2.
+  struct Component {
+    Vector position, velocity;
+    Eigen::MatrixXd slope, whitening;
+    double log_scale;
+  };
+
+  std::vector<Component> components_;
+};
+
+}  // namespace s2nnds
