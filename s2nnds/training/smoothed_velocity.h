@@ -1,20 +1,18 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "s2nnds/data/demonstration.h"
 
 namespace s2nnds {
 
-// The demonstrations with velocities (1 - share) v + share g(x), 0 <= share <= 1: g is a regression over all
-// of them, so what one demonstration does otherwise than its neighbours counts less. It is the average of
-// PhaseRegression and of the mean of a Gaussian process with a squared-exponential kernel of unit variance
-// and zero prior mean; its length and the noise are those among a few settings that predict left-out
-// demonstrations best (Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, equation 2.25).
-// Normalised units. Nothing changes with share 0 or one demonstration.
+// The demonstrations with velocities (1 - share) v + share g(x), 0 <= share <= 1: g is a PhaseRegression of
+// all of them, so what one demonstration does otherwise than its neighbours counts less. Normalised units.
+// Nothing changes with share 0 or one demonstration.
 std::vector<Demonstration> smoothed(std::vector<Demonstration> demonstrations, double share);
 
-// Samples beside the demonstrations, with the velocities g(x): three copies of each
+// Samples beside the demonstrations, with the velocities g(x) of the same regression: three copies of each
 // demonstration, every coordinate displaced by a normal deviate of standard deviation `width` >= 0
 // (normalised units). None with width 0 or one demonstration.
 std::vector<Demonstration> tube(const std::vector<Demonstration>& demonstrations, double width,
