@@ -133,7 +133,7 @@ struct TrainerOptions {
   double weight_decay = 0.2;         // decoupled (AdamW), of all weights of f
   std::int64_t label_points = 6000;  // relabelled every round by rollouts; 0: no labels
   double smoothing = 1.0;            // share of a phase regression's velocities in those that f is fitted to
-  double tube = 0.0;  // width of that regression's samples beside the demonstrations, normalised units; 0: none
+  double tube = 0.0;  // width of its samples beside the demonstrations, normalised units; 0: none
   // Demonstration samples nearer to Xu than this (per axis) leave the MSE term; twice this for demonstrations
   // that pass through Xu, whose samples within Xu by more than this stay.
   double keep_clear = 0.05;
