@@ -18,8 +18,8 @@ constexpr Eigen::Index kPhases = 63;
 constexpr Eigen::Index kSamples = 125;  // of a demonstration at most: its samples lie close together
 constexpr int kAlignments = 3;
 constexpr double kMeanWidth = 0.01;  // in phase, of the mean motion's kernel
-constexpr double kVelocityWeight =
-    0.1;                            // of squared velocities beside squared positions in the warping's cost
+// Of squared velocities beside squared positions in the warping's cost.
+constexpr double kVelocityWeight = 0.1;
 constexpr Eigen::Index kReach = 3;  // samples to either side over which a warped phase is averaged
 
 // The samples of one demonstration.

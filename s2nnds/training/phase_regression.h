@@ -7,11 +7,11 @@
 namespace s2nnds {
 
 // The velocity at a point that the demonstrations of one motion agree on: Gaussian mixture regression
-// (Calinon, Guenter and Billard, On Learning, Representing and Generalizing a Task in a Humanoid Robot, 2007,
-// equation 11) with a component at each of some phases of the motion, 0 at its start and 1 at its end. Which
-// samples are at one phase is found by dynamic time warping to the mean motion (barycenter averaging), so a
-// component describes the same place of the motion in all demonstrations, however fast each came there.
-// Normalised units.
+// (Calinon, Guenter and Billard, On Learning, Representing, and Generalizing a Task in a Humanoid Robot,
+// 2007). The components are not found by expectation maximisation: there is one at each of some phases of the
+// motion, 0 its start and 1 its end. Which samples are at one phase is found by dynamic time warping to the
+// mean motion, so a component describes the same place of the motion in all demonstrations, however fast each
+// came there. Normalised units.
 class PhaseRegression {
  public:
   // Throws Error unless there are at least two demonstrations.
