@@ -19,7 +19,9 @@ std::string counterexamples(const RoundSummary& row) {
     text += fmt::format("{}{}={}", text.empty() ? "" : " ", to_string(all_conditions[q]), row.counts[q]);
   }
   if (text.empty()) text = "none";
-  if (row.growing) text += row.counterexamples() == 0 ? " (B grew)" : " (B stays as it was)";
+  const bool kept = row.counterexamples() == 0;
+  if (row.stage == Stage::polish) text += kept ? " (polished)" : " (f, V and B stay as they were)";
+  if (row.stage == Stage::growth) text += kept ? " (B grew)" : " (B stays as it was)";
   return text;
 }
 

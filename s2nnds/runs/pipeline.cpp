@@ -220,8 +220,8 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
   if (record.checkpoint) trainer.restore(to_trainer_state(record));
   trainer.on_round([&](const RoundSummary& row, const Trainer& current) {
     store_trainer_state(current.state(), record);
-    // All rounds after it grow B. Where the prover is a source, everything is proved from here on.
-    if (row.clean() && !row.growing && row.round >= config.training.min_rounds)
+    // All rounds after it keep what was clean. Where the prover is a source, everything is proved from here on.
+    if (row.clean() && row.stage == Stage::search && row.round >= config.training.min_rounds)
       set_timing(record, "first_clean_round", row.seconds);
     if (hooks.progress) hooks.progress(row);
     if (hooks.checkpoint) hooks.checkpoint(record);

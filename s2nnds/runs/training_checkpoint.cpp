@@ -37,7 +37,7 @@ std::vector<Column> columns() {
   all.push_back(column("first_found", &RoundSummary::first_found));
   all.push_back(column("pool", &RoundSummary::pool));
   all.push_back(column("safe_share", &RoundSummary::safe_share));
-  all.push_back(column("growing", &RoundSummary::growing));
+  all.push_back(column("stage", &RoundSummary::stage));
   all.push_back(column("seconds", &RoundSummary::seconds));
   return all;
 }

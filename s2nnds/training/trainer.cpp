@@ -21,8 +21,8 @@ namespace s2nnds {
 namespace {
 
 constexpr std::int64_t kBandCandidates = 20000;  // points among which those near {B = 0} are sought
-// Factors of the labels' weight after a growth round that failed, and after one that did not.
-constexpr double kGrowthRetreat = 0.5, kGrowthAdvance = 1.5;
+// Factors of a weight after a round that was to keep the certificate and failed, and after one that did not.
+constexpr double kRetreat = 0.5, kAdvance = 1.5;
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) {
@@ -104,12 +104,11 @@ class Trainer::Impl {
       summary.stopped = !report(row, owner);
     }
     while (!summary.stopped && !finished()) {
-      const LayerStack before = modules_.B->snapshot();
-      const bool growing = had_clean_round();
-      RoundSummary row = train_round(static_cast<std::int64_t>(history_.size()), growing);
+      const Networks before = networks();
+      RoundSummary row = train_round();
       choose_level(row.round);
       search(row);
-      if (growing && !row.clean()) modules_.B->restore(before);
+      if (row.stage != Stage::search && !row.clean()) set_networks(before);
       row.seconds = seconds();
       summary.stopped = !report(row, owner);
     }
@@ -121,12 +120,20 @@ class Trainer::Impl {
 
   bool finished() const {
     if (!had_clean_round()) return history_.back().round >= options_.rounds;
-    return std::count_if(history_.begin(), history_.end(), [](const RoundSummary& row) {
-             return row.growing;
-           }) >= (uses_labels() ? options_.growth_rounds : 0);
+    return next_stage() == Stage::growth &&
+           rounds_in(Stage::growth) >= (uses_labels() ? options_.growth_rounds : 0);
   }
 
-  // Rounds after the first clean one only let B grow.
+  std::int64_t rounds_in(Stage stage) const {
+    return std::count_if(history_.begin(), history_.end(),
+                         [=](const RoundSummary& row) { return row.stage == stage; });
+  }
+
+  Stage next_stage() const {
+    if (!had_clean_round()) return Stage::search;
+    return rounds_in(Stage::polish) < options_.polish_rounds ? Stage::polish : Stage::growth;
+  }
+
   bool had_clean_round() const {
     return std::any_of(history_.begin(), history_.end(), [&](const RoundSummary& row) {
       return row.round >= options_.min_rounds && row.clean();
@@ -144,9 +151,7 @@ class Trainer::Impl {
       check(state.history[k].round == static_cast<std::int64_t>(k),
             "trainer: history row {} is of round {}, expected {}", k, state.history[k].round, k);
     }
-    modules_.f->restore(state.networks.f);
-    modules_.V->restore(state.networks.V);
-    modules_.B->restore(state.networks.B);
+    set_networks(state.networks);
     sampler_.set_pools(state.pools);
     history_ = state.history;
   }
@@ -156,6 +161,12 @@ class Trainer::Impl {
   std::function<bool(const RoundSummary&, const Trainer&)> callback;
 
  private:
+  void set_networks(const Networks& networks) {
+    modules_.f->restore(networks.f);
+    modules_.V->restore(networks.V);
+    modules_.B->restore(networks.B);
+  }
+
   VectorField make_field(std::int64_t attempt) const {
     RandomStream start(seed_, "start/f", attempt);
     VectorField f(problem_.dimension(), network_options_.f, start);
@@ -179,14 +190,14 @@ class Trainer::Impl {
                       [&](std::int64_t attempt) { return make_field(attempt); });
   }
 
-  RoundSummary train_round(std::int64_t round, bool growing) {
+  RoundSummary train_round() {
     RoundSummary row;
-    row.round = round;
-    row.growing = growing;
+    const std::int64_t round = row.round = static_cast<std::int64_t>(history_.size());
+    row.stage = next_stage();
     label(row);
-    seek_repairs(growing);
-    if (starts_anew(round) && !growing && options_.redraw_barrier) redraw_barrier(round);
-    const RoundPlan plan = plan_of(round, growing);
+    seek_repairs(row.stage);
+    if (row.stage == Stage::search && starts_anew(round) && options_.redraw_barrier) redraw_barrier(round);
+    const RoundPlan plan = plan_of(round, row.stage);
     // Each round starts afresh, so that a checkpoint needs no optimiser state.
     std::vector<FlatAdam> optimizers(3, FlatAdam(0.0, options_.clip));
     optimizers[0] = FlatAdam(options_.weight_decay, options_.clip);
@@ -226,7 +237,7 @@ class Trainer::Impl {
       row.labels += share * terms.labels.item<double>();
       row.deflection += share * terms.deflection.item<double>();
     }
-    if (growing) row.mse = history_.back().mse;
+    if (plan.only_barrier) row.mse = history_.back().mse;
     return row;
   }
 
@@ -239,8 +250,9 @@ class Trainer::Impl {
     set_engine();
   }
 
-  RoundPlan plan_of(std::int64_t round, bool growing) const {
-    if (growing) return growth_plan();
+  RoundPlan plan_of(std::int64_t round, Stage stage) const {
+    if (stage == Stage::growth) return growth_plan();
+    if (stage == Stage::polish) return polish_plan();
     const auto age = static_cast<double>((round - 1) % options_.rate_period);
     RoundPlan plan = {false, std::max(options_.rate_floor, std::pow(options_.rate_decay, age)),
                       options_.loss};
@@ -267,21 +279,31 @@ class Trainer::Impl {
 
   // Random search found few counterexamples; those that are left may be none of its own.
   bool nearly_clean(const RoundSummary& row) const {
-    if (row.round < options_.min_rounds || row.growing) return false;
+    if (row.round < options_.min_rounds || row.stage != Stage::search) return false;
     return row.counterexamples() < options_.mend_below || row.first_found == 0;
+  }
+
+  // A weight's factor: `first`, less after each round of the stage that failed.
+  double careful(Stage stage, double first) const {
+    double factor = first;
+    for (const RoundSummary& row : history_) {
+      if (row.stage == stage)
+        factor = std::clamp(factor * (row.clean() ? kAdvance : kRetreat), 1.0, std::max(1.0, first));
+    }
+    return factor;
+  }
+
+  RoundPlan polish_plan() const {
+    RoundPlan plan = {false, options_.polish_rate, options_.loss};
+    plan.loss.mse *= careful(Stage::polish, options_.polish_mse);
+    return plan;
   }
 
   // What concerns B alone.
   RoundPlan growth_plan() const {
-    double weight = options_.growth_labels;
-    for (const RoundSummary& row : history_) {
-      if (!row.growing) continue;
-      weight = std::clamp(weight * (row.clean() ? kGrowthAdvance : kGrowthRetreat), 1.0,
-                          std::max(1.0, options_.growth_labels));
-    }
     RoundPlan plan = {true, options_.growth_rate, options_.loss};
     plan.loss.mse = plan.loss.lyapunov = plan.loss.deflection = 0.0;
-    plan.loss.labels *= weight;
+    plan.loss.labels *= careful(Stage::growth, options_.growth_labels);
     plan.loss.separation *= options_.growth_margins;
     plan.loss.band *= options_.growth_margins;
     return plan;
@@ -315,10 +337,10 @@ class Trainer::Impl {
   }
 
   // Without the band's weight nothing makes B a barrier.
-  void seek_repairs(bool growing) {
+  void seek_repairs(Stage stage) {
     const Points none(0, problem_.dimension());
     Repairs found = {none, none, none};
-    if (options_.repair_motions > 0 && options_.loss.band > 0.0 && !growing) {
+    if (options_.repair_motions > 0 && options_.loss.band > 0.0 && stage == Stage::search) {
       found = repairs(networks(), problem_, sampler_.pools().workspace, sampler_.position(),
                       sampler_.velocity(), {options_.repair_motions, options_.band, options_.repair_gain});
     }

@@ -12,6 +12,10 @@
 
 namespace s2nnds {
 
+// What a round is for: the first certificate; then, with what it found kept only if clean, an f nearer to the
+// demonstrations, and last, training B alone, a larger safe set.
+enum class Stage : std::uint8_t { search, polish, growth };
+
 // One row of the history: a round of joint training and the search for counterexamples after it.
 struct RoundSummary {
   std::int64_t round = 0;  // from 1; 0 is the warm start
@@ -26,8 +30,8 @@ struct RoundSummary {
   std::int64_t first_found = 0;                        // of these, by the first source: random search
   std::int64_t pool = 0;                               // counterexamples kept for training
   double safe_share = 0.0;                             // of the label points, those with safe rollouts
-  bool growing = false;                                // trained B alone; kept only if clean
-  double seconds = 0.0;                                // of training since its start, interruptions left out
+  Stage stage = Stage::search;
+  double seconds = 0.0;  // of training since its start, interruptions left out
 
   std::int64_t counterexamples() const;
   bool clean() const { return round > 0 && counterexamples() == 0; }

@@ -76,6 +76,9 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("repair_motions", repair_motions, at_least(0));
   v.field("repair_gain", repair_gain, at_least(0.0));
   v.field("level_reach", level_reach, at_least(0.0));
+  v.field("polish_rounds", polish_rounds, at_least(0));
+  v.field("polish_mse", polish_mse, at_least(0.0));
+  v.field("polish_rate", polish_rate, above(0.0));
   v.field("growth_rounds", growth_rounds, at_least(0));
   v.field("growth_labels", growth_labels, at_least(0.0));
   v.field("growth_margins", growth_margins, at_least(0.0));
@@ -98,7 +101,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
 TrainerOptions paper_training() {
   TrainerOptions options;
   options.label_points = 0;
-  options.mend_rounds = options.repair_motions = options.growth_rounds = 0;
+  options.mend_rounds = options.repair_motions = options.polish_rounds = options.growth_rounds = 0;
   options.rate_certificates = 3e-3;
   options.rate_rise = 1;
   options.redraw_barrier = false;

@@ -123,7 +123,13 @@ struct TrainerOptions {
   // After every round B is shifted by at most this to the level that gives the largest safe set without a
   // violation among some samples, if there is one.
   double level_reach = 0.1;
-  // Rounds after the first clean one that train B alone, with f and V as they are and the labels weighing
+  // Rounds after the first clean one that train all three with more weight on the demonstrations, so that f
+  // comes nearer to what it would be without conditions; what such a round makes of them is kept only if it
+  // is clean as well.
+  std::int64_t polish_rounds = 6;
+  double polish_mse = 10.0;  // factor of the demonstrations' weight; less after such a round failed
+  double polish_rate = 0.3;  // factor of all rates
+  // Rounds after these that train B alone, with f and V as they are and the labels weighing
   // more, so that the safe set grows; what such a round makes of B is kept only if it is clean as well.
   std::int64_t growth_rounds = 10;
   double growth_labels = 4.0;        // factor of the labels' weight, at most; less after such a round failed

@@ -15,7 +15,7 @@ TEST(TrainingCheckpoint, KeepsWhatEachRoundFound) {
     row.round = static_cast<std::int64_t>(k);
     row.counts.fill(7 * row.round);
     row.first_found = 5 * row.round;
-    row.growing = k == 2;
+    row.stage = k == 2 ? Stage::growth : Stage::polish;
   }
   RunRecord record;
   record.data.dimension = 2;
@@ -25,7 +25,7 @@ TEST(TrainingCheckpoint, KeepsWhatEachRoundFound) {
   for (std::size_t k = 0; k < back.history.size(); ++k) {
     EXPECT_EQ(back.history[k].counts, state.history[k].counts);
     EXPECT_EQ(back.history[k].first_found, state.history[k].first_found);
-    EXPECT_EQ(back.history[k].growing, state.history[k].growing);
+    EXPECT_EQ(back.history[k].stage, state.history[k].stage);
   }
   EXPECT_EQ(back.pools.workspace, state.pools.workspace);
 }

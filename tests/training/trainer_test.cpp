@@ -98,33 +98,39 @@ class ScriptedSource : public CounterexampleSource {
   std::set<std::int64_t> rounds_;
 };
 
-// After the first clean round only B moves, and only to where it is clean again.
-TEST(Trainer, LetsBGrowAndKeepsOnlyCleanRounds) {
+// After the first clean round, rounds that polish move all three networks, then those that grow B move it
+// alone, and only to where it is clean again.
+TEST(Trainer, PolishesThenLetsBGrowAndKeepsOnlyCleanRounds) {
   Fixture fixture;
   fixture.options.min_rounds = 2;
+  fixture.options.polish_rounds = 2;
   fixture.options.growth_rounds = 3;
   Trainer trainer(fixture.problem, fixture.demonstrations, fixture.networks, fixture.options, 5);
   trainer.set_rollout_labels(
       [&](const LayerStack& f, const Points& x) { return rollout_is_safe(f, fixture.problem, x); });
-  trainer.add_source(std::make_shared<ScriptedSource>(std::set<std::int64_t>{1, 3}));
+  trainer.add_source(std::make_shared<ScriptedSource>(std::set<std::int64_t>{1, 3, 5}));
   std::vector<Networks> after;
-  std::vector<bool> growing;
+  std::vector<Stage> stages;
   trainer.on_round([&](const RoundSummary& row, const Trainer& t) {
     after.push_back(t.networks());
-    growing.push_back(row.growing);
+    stages.push_back(row.stage);
     return true;
   });
   const TrainerSummary summary = trainer.run();
   EXPECT_TRUE(summary.clean);
-  EXPECT_EQ(growing, (std::vector<bool>{false, false, false, true, true, true}));
+  EXPECT_EQ(stages, (std::vector<Stage>{Stage::search, Stage::search, Stage::search, Stage::polish,
+                                        Stage::polish, Stage::growth, Stage::growth, Stage::growth}));
   const auto hash = [](const LayerStack& stack) { return weight_hash({stack, stack, stack}); };
-  for (std::size_t round : {3, 4, 5}) {
-    EXPECT_EQ(hash(after[round].f), hash(after[2].f));
-    EXPECT_EQ(hash(after[round].V), hash(after[2].V));
+  EXPECT_EQ(weight_hash(after[3]), weight_hash(after[2])) << "round 3 was not clean";
+  for (LayerStack Networks::*network : {&Networks::f, &Networks::V, &Networks::B})
+    EXPECT_NE(hash(after[4].*network), hash(after[3].*network));
+  for (std::size_t round : {5, 6, 7}) {
+    EXPECT_EQ(hash(after[round].f), hash(after[4].f));
+    EXPECT_EQ(hash(after[round].V), hash(after[4].V));
   }
-  EXPECT_EQ(hash(after[3].B), hash(after[2].B)) << "round 3 was not clean";
-  EXPECT_NE(hash(after[4].B), hash(after[3].B));
-  EXPECT_NE(hash(after[5].B), hash(after[4].B));
+  EXPECT_EQ(hash(after[5].B), hash(after[4].B)) << "round 5 was not clean";
+  EXPECT_NE(hash(after[6].B), hash(after[5].B));
+  EXPECT_NE(hash(after[7].B), hash(after[6].B));
 }
 
 // With next to no rate a round that mends leaves the networks as they are.
