@@ -12,8 +12,8 @@
 
 namespace s2nnds {
 
-// What a round is for: the first certificate; then, with what it found kept only if clean, an f nearer to the
-// demonstrations, and last, training B alone, a larger safe set.
+// What a round is for. `search`: a certificate. After it, keeping only what is clean, `polish`: an f nearer to
+// the demonstrations, and `growth`: a larger safe set, B alone trained.
 enum class Stage : std::uint8_t { search, polish, growth };
 
 // One row of the history: a round of joint training and the search for counterexamples after it.
@@ -60,7 +60,7 @@ using RolloutLabels = std::function<std::vector<bool>(const LayerStack& f, const
 
 // The counterexample-guided loop (the paper's Algorithm 2): warm start of f, then rounds of joint training of
 // f, V and B, each followed by a search for counterexamples, until a round of at least min_rounds ends clean;
-// then rounds in which B alone grows.
+// then rounds that polish f and rounds in which B alone grows, which keep what was clean.
 class Trainer {
  public:
   // `demonstrations` are the training demonstrations, normalised. The problem must outlive the trainer.
