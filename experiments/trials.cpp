@@ -196,10 +196,18 @@ std::vector<Trial> split_trials(const std::string& name, const std::string& conf
 }
 
 std::vector<std::string> uncertified() {
-  return {"training.loss.lyapunov=0", "training.loss.separation=0", "training.loss.band=0",
-          "training.loss.labels=0",   "training.loss.deflection=0", "training.label_points=0",
-          "training.rounds=5",        "training.min_rounds=5",      "training.mend_rounds=0",
-          "training.polish_rounds=0", "training.growth_rounds=0",   "training.samples=1000",
+  return {"training.loss.lyapunov=0",
+          "training.loss.separation=0",
+          "training.loss.band=0",
+          "training.loss.labels=0",
+          "training.loss.deflection=0",
+          "training.label_points=0",
+          "training.rounds=5",
+          "training.min_rounds=5",
+          "training.mend_rounds=0",
+          "training.polish_rounds=0",
+          "training.growth_rounds=0",
+          "training.samples=1000",
           "verification.method=\"sampled\""};
 }
 

@@ -12,8 +12,8 @@
 
 namespace s2nnds {
 
-// What a round is for. `search`: a certificate. After it, keeping only what is clean, `polish`: an f nearer to
-// the demonstrations, and `growth`: a larger safe set, B alone trained.
+// What a round is for. `search`: a certificate. After it, keeping only what is clean, `polish`: an f nearer
+// to the demonstrations, and `growth`: a larger safe set, B alone trained.
 enum class Stage : std::uint8_t { search, polish, growth };
 
 // One row of the history: a round of joint training and the search for counterexamples after it.
