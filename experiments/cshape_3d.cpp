@@ -1,7 +1,7 @@
 // Fig. 3: a kinesthetic C-shaped motion in three dimensions around a ball, ten of fifteen demonstrations
 // train.
 //
-// Expected: every seed `invariant`; the proof takes 170,000 to 400,000 boxes, 1 to 5 s on one thread.
+// Expected: every seed `invariant`; the proof takes 170,000 to 400,000 boxes, 1 to 3 s on one thread.
 //
 // Usage: cshape_3d --data DIR [--out FOLDER] [--quick]
 #include "trials.h"
