@@ -53,7 +53,7 @@ std::vector<Trial> trials_of(const Motion& motion, const Arguments& arguments) {
 
 // The polynomials on the test demonstrations of a run.
 json measure(const PublishedAbcDs& published, const TrialResult& ours, const std::string& data) {
-  const Setup setup = set_up(ours.record, data);
+  const PreparedRun setup = prepare(ours.record, data);
   const std::vector<Demonstration> test = setup.test();
   const Points velocity = stack_velocities(test), predicted = published.velocity(stack_positions(test));
   double warped = 0.0;
@@ -144,7 +144,7 @@ Report run(const Arguments& arguments) {
     theirs["motion"] = motion.name;
     theirs["f"] = terms_of(published.f);
     theirs["B"] = terms_of(published.B);
-    theirs["claims"] = claims_of(judge(published, set_up(first->record, arguments.data).problem));
+    theirs["claims"] = claims_of(judge(published, prepare(first->record, arguments.data).problem));
     const auto number = [](double value) { return fmt::format("{:.4f}", value); };
     errors.add({motion.name, fmt::format("{}/{}", invariant, train.size()),
                 fmt::format("{:.0f}", median(train)), number(median(mse)), number(theirs["mse_test"]),

@@ -12,8 +12,8 @@
 #include <filesystem>
 #include <numbers>
 
+#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/random.h"
-#include "s2nnds/core/whole_file.h"
 #include "trials.h"
 
 namespace {
@@ -48,7 +48,7 @@ std::string write_recordings(const std::string& folder) {
   json files = json::array();
   for (int k = 0; k < 5; ++k) {
     const auto path = std::filesystem::absolute(folder) / fmt::format("demonstration_{}.csv", k);
-    s2nnds::write_whole_file(path, recording(k), "the recording");
+    s2nnds::write_atomic_file(path, recording(k), "the recording");
     files.push_back(path.string());
   }
   return "data.files=" + files.dump();

@@ -113,7 +113,7 @@ double PublishedAbcDs::safe_area() const {
 
 ProofResult judge(const PublishedAbcDs& published, SafetyProblem problem) {
   problem.workspace = Box::cube(2, 1.0);  // which some initial balls leave by a little: that is not judged
-  problem.shell = nullptr;
+  problem.workspace_margin = nullptr;
   const auto peer = [](const std::vector<Polynomial>& p) { return std::make_shared<PolynomialFunction>(p); };
   ProofOptions options;
   options.max_seconds = 120.0;

@@ -11,8 +11,8 @@
 
 #include "program/python_script.h"
 #include "program/writable.h"
+#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
-#include "s2nnds/core/whole_file.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/evaluation/robustness.h"
 #include "s2nnds/runs/config.h"
@@ -162,7 +162,7 @@ void draw_together(const std::string& name, const std::string& kind, const std::
   std::vector<std::string> words = {kind, figures / (name + ".png")};
   if (!found.is_null()) {
     words.push_back(fs::path(arguments.out) / (name + ".json"));
-    write_whole_file(words.back(), found.dump(), "what the figure shows");
+    write_atomic_file(words.back(), found.dump(), "what the figure shows");
   }
   for (const TrialResult& result : results) {
     if (is_drawn(result.trial, arguments)) words.push_back(result.run);
@@ -189,7 +189,7 @@ std::vector<Trial> split_trials(const std::string& name, const std::string& conf
        {std::pair(0, 1), std::pair(2, 3), std::pair(4, 5), std::pair(6, 0), std::pair(1, 5)}) {
     trials.push_back({fmt::format("{}-test{}{}", name, a, b),
                       config,
-                      {fmt::format("data.test=[{}, {}]", a, b), "training.growth_rounds=0"}});
+                      {fmt::format("data.test=[{}, {}]", a, b), "training.enlarge_rounds=0"}});
     if (arguments.quick) break;
   }
   return trials;
@@ -197,16 +197,16 @@ std::vector<Trial> split_trials(const std::string& name, const std::string& conf
 
 std::vector<std::string> uncertified() {
   return {"training.loss.lyapunov=0",
-          "training.loss.separation=0",
-          "training.loss.band=0",
-          "training.loss.labels=0",
-          "training.loss.deflection=0",
-          "training.label_points=0",
+          "training.loss.barrier_sets=0",
+          "training.loss.barrier_decrease=0",
+          "training.loss.rollout_safety=0",
+          "training.loss.obstacle_normal=0",
+          "training.rollout_points=0",
           "training.rounds=5",
           "training.min_rounds=5",
-          "training.mend_rounds=0",
-          "training.polish_rounds=0",
-          "training.growth_rounds=0",
+          "training.refine_rounds=0",
+          "training.imitation_finetune_rounds=0",
+          "training.enlarge_rounds=0",
           "training.samples=1000",
           "verification.method=\"sampled\""};
 }
@@ -275,7 +275,7 @@ int run_driver(int argc, char** argv, const std::string& name, const std::string
                     {"set", arguments.assignments}, {"quick", arguments.quick}};
     const Report report = body(arguments);
     results.update(report.results);
-    write_whole_file(arguments.results, results.dump(1) + "\n", "the results");
+    write_atomic_file(arguments.results, results.dump(1) + "\n", "the results");
     fmt::print(stderr, "results: {}\n", arguments.results);
     if (arguments.figures) report.draw();
   } catch (const CLI::Success& help) {
@@ -352,7 +352,7 @@ Table table_of_robustness(const std::vector<TrialResult>& results, const Argumen
       return other.trial.name == certified.trial.name + "-uncertified";
     });
     if (free == results.end() || certified.trial.name.find("-test") != std::string::npos) continue;
-    const Setup setup = set_up(certified.record, arguments.data);
+    const PreparedRun setup = prepare(certified.record, arguments.data);
     const Networks& networks = certified.record.networks;
     const bool guaranteed = certified.record.certificate.guarantee != "none";
     const auto ours = measure_robustness(networks.f, guaranteed ? &networks.B : nullptr, setup.problem,

@@ -44,7 +44,7 @@ ACTIVATIONS = {
 
 @dataclass
 class Network:
-    """y(x) made of layers N(x) and a head: plain y = N(x); anchored y = N(x) - N(0);
+    """y(x) made of layers N(x) and a head: plain y = N(x); zero_at_origin y = N(x) - N(0);
     squared_norm y = |N(x) - N(0)|^2 + quadratic |x|^2.
 
     Each layer is (weight [out, in], bias [out], name of the activation).
@@ -176,7 +176,7 @@ class Problem:
     unsafe: str = ""  # descriptions of the sets
     initial: str = ""
     containment: float = 0.0  # {B <= 0} lies in containment * workspace; 0: not asked for
-    band: float = 0.0  # eps_B
+    level_band: float = 0.0  # eps_B
 
 
 @dataclass
@@ -266,8 +266,8 @@ def _network(group):
     _require(layers, f"{group.name}: layers: found 0, expected at least 1")
     head = _plain(group.attrs["head"])
     _require(
-        head in ("plain", "anchored", "squared_norm"),
-        f"{group.name}: head: found '{head}', expected plain, anchored or squared_norm",
+        head in ("plain", "zero_at_origin", "squared_norm"),
+        f"{group.name}: head: found '{head}', expected plain, zero_at_origin or squared_norm",
     )
     return Network(layers, head, float(group.attrs.get("quadratic", 0.0)))
 
@@ -313,7 +313,7 @@ class Run:
             **{
                 key: value
                 for key, value in _attributes(problem).items()
-                if key in ("unsafe", "initial", "containment", "band")
+                if key in ("unsafe", "initial", "containment", "level_band")
             },
         )
         self.f, self.V, self.B = (_network(file["networks"][key]) for key in "fVB")

@@ -2,7 +2,7 @@
 
     from s2nnds_sweep import Sweep
     sweep = Sweep("recipe-sweep/table.h5")
-    sweep["mse_validation"], sweep["training.loss.kappa"]    # one array a column, one entry a trial
+    sweep["mse_validation"], sweep["training.loss.decay_rate"]    # one array a column, one entry a trial
     sweep.axes, sweep.objective, sweep.ranking()
     sweep.effects["mse_validation"]    # Effect(kind, trials, change, error): what each axis does by itself, one entry a row
     sweep.effect_rows                  # (axis, from, to) of these entries

@@ -17,7 +17,7 @@ from s2nnds_run import Run
 HERE = os.path.dirname(os.path.abspath(__file__))
 CONFIG = os.path.join(HERE, "../experiments/configs/handwriting/Sine.toml")
 SMALL = ["training.warm_start.steps=200", "training.rounds=2", "training.min_rounds=2", "training.steps=20",
-         "training.growth_rounds=0", "training.samples=2000", "training.label_points=200", "networks.f.hidden=[16, 16]",
+         "training.enlarge_rounds=0", "training.samples=2000", "training.rollout_points=200", "networks.f.hidden=[16, 16]",
          "networks.V.hidden=[16]", "networks.B.hidden=[16]", 'verification.method="sampled"',
          "evaluation.area_cells=40", "evaluation.grid_points=41"]  # fmt: skip
 

@@ -71,7 +71,7 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
     rng = np.random.default_rng(7)
     matrix = -np.eye(n)
     matrix[0, 1], matrix[1, 0] = -0.8, 0.8
-    f = Network([(matrix, np.zeros(n), "identity")], "anchored")
+    f = Network([(matrix, np.zeros(n), "identity")], "zero_at_origin")
     V = random_network(rng, n, 4, head="squared_norm", quadratic=0.05)
     B = random_network(rng, n, 1)
     centre = np.array([-0.35, -0.45, 0.25, 0.0, 0.0, 0.0, 0.0])[:n]
@@ -96,7 +96,7 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
             group = data.create_group(f"demonstrations/{k}")
             group["time"], group["position"], group["velocity"] = demonstration(n, k)
         problem = file.create_group("problem")
-        problem.attrs.update(unsafe="ball", initial="box", containment=0.97, band=0.02)
+        problem.attrs.update(unsafe="ball", initial="box", containment=0.97, level_band=0.02)
         problem["workspace_lower"], problem["workspace_upper"] = np.full(n, -1.25), np.full(n, 1.25)
         history = file.create_group("history")
         history["round"] = np.arange(1, rounds + 1)
@@ -191,7 +191,7 @@ def value_by_loops(network, x):
     if network.head == "plain":
         return out
     out = [a - b for a, b in zip(out, zero)]
-    if network.head == "anchored":
+    if network.head == "zero_at_origin":
         return out
     return [sum(a * a for a in out) + network.quadratic * sum(a * a for a in x)]
 
@@ -210,7 +210,7 @@ class NetworkTest(unittest.TestCase):
         rng = np.random.default_rng(1)
         for n in (2, 3, 5):
             for activation in ACTIVATIONS:
-                for head in ("plain", "anchored", "squared_norm"):
+                for head in ("plain", "zero_at_origin", "squared_norm"):
                     network = random_network(rng, n, 3, activation, head, quadratic=0.3)
                     x = rng.normal(size=(4, n))
                     want = np.array([value_by_loops(network, point) for point in x])
@@ -221,7 +221,7 @@ class NetworkTest(unittest.TestCase):
     def test_jacobian_is_the_limit_of_differences(self):
         rng = np.random.default_rng(2)
         for activation in ACTIVATIONS:
-            for head, outputs in (("plain", 3), ("anchored", 2), ("squared_norm", 4), ("plain", 1)):
+            for head, outputs in (("plain", 3), ("zero_at_origin", 2), ("squared_norm", 4), ("plain", 1)):
                 network = random_network(rng, 3, outputs, activation, head, quadratic=0.2)
                 x, h = rng.normal(size=(5, 3)), 1e-6
                 jacobian = network.jacobian(x)
@@ -238,7 +238,7 @@ class NetworkTest(unittest.TestCase):
         V = random_network(rng, 2, 4, head="squared_norm", quadratic=0.05)
         self.assertEqual(V(np.zeros(2)), 0.0)
         np.testing.assert_array_equal(V.gradient(np.zeros(2)), np.zeros(2))
-        f = random_network(rng, 2, 2, head="anchored")
+        f = random_network(rng, 2, 2, head="zero_at_origin")
         np.testing.assert_array_equal(f(np.zeros(2)), np.zeros(2))
 
     def test_large_arguments_do_not_overflow(self):
@@ -288,7 +288,7 @@ class ReaderTest(TemporaryFolder):
         self.assertEqual((run.data.unit, run.data.position_scale, run.data.test), ("mm", 46.25, [5, 6]))
         self.assertEqual(len(run.data.demonstrations), 7)
         np.testing.assert_allclose(run.data.demonstrations[4].position, demonstration(2, 4)[1])
-        self.assertEqual((run.problem.containment, run.problem.band), (0.97, 0.02))
+        self.assertEqual((run.problem.containment, run.problem.level_band), (0.97, 0.02))
         self.assertEqual(run.history["mse"].shape, (9,))
         self.assertEqual(run.certificate["conditions"][0]["condition"], "lyapunov_decrease")
         self.assertEqual(run.certificate["conditions"][0]["open_boxes"], 5)

@@ -24,21 +24,21 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 def write_table(path, trials=24, guarantee="proved", told=("mse_validation", "counts"), **changes):
     rng = np.random.default_rng(3)
     point = np.arange(trials) // 2
-    kappa = 10.0 ** rng.uniform(-2, 0, trials // 2)[point]
+    decay_rate = 10.0 ** rng.uniform(-2, 0, trials // 2)[point]
     columns = {
         "trial": np.arange(trials, dtype=float),
         "rung": np.zeros(trials),
         "point": point.astype(float),
         "config": np.array(["Sine", "Worm"] * (trials // 2), dtype=object),
         "seed": np.zeros(trials),
-        "training.loss.kappa": kappa,
+        "training.loss.decay_rate": decay_rate,
         "networks.f.hidden": np.array([["[8]", "[16, 16]", "[32, 32]"][k % 3] for k in point], dtype=object),
         "status": np.array(["failed"] + ["done"] * (trials - 1), dtype=object),
         "error": np.array(["problem.unsafe: covers the goal"] + [""] * (trials - 1), dtype=object),
         "guarantee": np.array(["none"] + ["proved", "invariant", "none"] * trials, dtype=object)[:trials],
         "counts": np.array(([0.0] + [1.0, 1.0, 0.0] * trials)[:trials]),
         "seconds": rng.uniform(5, 90, trials),
-        "mse_validation": np.where(np.arange(trials) == 0, np.nan, 0.01 + kappa * rng.uniform(0.01, 0.2, trials)),
+        "mse_validation": np.where(np.arange(trials) == 0, np.nan, 0.01 + decay_rate * rng.uniform(0.01, 0.2, trials)),
         "safe_area_ratio": rng.uniform(0.4, 1.0, trials),
         "seconds_training": rng.uniform(4, 80, trials),
         "run": np.array([f"runs/0000/{k:07d}.h5" for k in range(trials)], dtype=object),
@@ -47,11 +47,11 @@ def write_table(path, trials=24, guarantee="proved", told=("mse_validation", "co
     with h5py.File(path, "w") as file:
         file.attrs.update(name="made", objective="mse_validation", direction="minimize", guarantee=guarantee, dtw_limit=0.1, share=0.5)
         text = h5py.string_dtype()
-        file.attrs.create("axes", ["training.loss.kappa", "networks.f.hidden"], dtype=text)
+        file.attrs.create("axes", ["training.loss.decay_rate", "networks.f.hidden"], dtype=text)
         file.attrs.create("columns", list(columns), dtype=text)
         for name, values in columns.items():
             file.create_dataset(f"trials/{name}", data=values, dtype=text if values.dtype == object else None)
-        for name, texts in (("axis", ["training.loss.kappa", "networks.f.hidden"]), ("from", ["0.01", "[8]"]), ("to", ["1.0", "[32, 32]"])):
+        for name, texts in (("axis", ["training.loss.decay_rate", "networks.f.hidden"]), ("from", ["0.01", "[8]"]), ("to", ["1.0", "[32, 32]"])):
             file.create_dataset(f"effects/{name}", data=np.array(texts, dtype=object), dtype=text)
         for name in told:
             kind, change = ("difference", [0.0, -0.2]) if name == "counts" else ("factor", [1.5, 1.01])

@@ -108,12 +108,12 @@ name = "slurm"
 configs = ["$project/experiments/configs/handwriting/Sine.toml"]
 seeds = [0, 1]
 set = ["networks.f.hidden=[16]", "networks.V.hidden=[16]", "networks.B.hidden=[16]", "training.rounds=8",
-  "training.min_rounds=8", "training.steps=${S2NNDS_STEPS:-800}", "training.label_points=200", "training.samples=2000",
+  "training.min_rounds=8", "training.steps=${S2NNDS_STEPS:-800}", "training.rollout_points=200", "training.samples=2000",
   "training.warm_start.steps=200", "training.warm_start.attempts=1", "verification.method=sampled",
   "verification.sampled.samples=2000", "evaluation.area_cells=20", "evaluation.grid_points=11"]
 objective = "mse_train"
 [axes]
-"training.loss.kappa" = [0.1, 0.2]
+"training.loss.decay_rate" = [0.1, 0.2]
 "training.rate_f" = [1e-3, 2e-3]
 EOF
 out=$work/out
@@ -200,7 +200,7 @@ sys.path.insert(0, sys.argv[1] + "/tests/program")
 sys.argv[1:2] = []
 from many_trials_test import STUB
 from sweep_test import sweep_text
-for name, text in (("stub", STUB), ("many.toml", sweep_text('"training.loss.kappa" = { log_range = [0.01, 1.0] }',
+for name, text in (("stub", STUB), ("many.toml", sweep_text('"training.loss.decay_rate" = { log_range = [0.01, 1.0] }',
                                                             design='"sobol"', points="1000"))):
     with open(f"{sys.argv[1]}/{name}", "w", encoding="utf-8") as file:
         file.write(text)

@@ -30,7 +30,8 @@ void report(const RunRecord& record, const std::string& path, const CommonArgume
 using nlohmann::ordered_json;
 
 // The errors of each demonstration of a split, one line each; the same for --json.
-ordered_json report_demonstrations(const Setup& setup, const LayerStack& f, const std::string& split) {
+ordered_json report_demonstrations(const PreparedRun& setup, const NetworkWeights& f,
+                                   const std::string& split) {
   const std::vector<std::int64_t>& members = split == "train"  ? setup.split.train
                                              : split == "test" ? setup.split.test
                                                                : setup.split.validation;
@@ -51,10 +52,10 @@ ordered_json report_demonstrations(const Setup& setup, const LayerStack& f, cons
 }
 
 // Whether the run has at least the guarantee that its configuration asks for.
-int exit_code(const Setup& setup, const RunRecord& record) {
+int exit_code(const PreparedRun& setup, const RunRecord& record) {
   const std::string& method = setup.config.verification.method;
   const Guarantee wanted = method == "proof"
-                               ? (setup.problem.shell ? Guarantee::invariant : Guarantee::proved)
+                               ? (setup.problem.workspace_margin ? Guarantee::invariant : Guarantee::proved)
                            : method == "conformal" ? Guarantee::conformal
                                                    : Guarantee::sampled;
   return guarantee_from(record.certificate.guarantee) >= wanted ? kVerified : kNotVerified;
@@ -66,7 +67,7 @@ std::string sibling(const std::string& run, const std::string& suffix) {
 
 struct TrainingStart {
   std::string path;
-  Setup setup;
+  PreparedRun setup;
   RunRecord record;
 };
 
@@ -78,7 +79,7 @@ TrainingStart start_from_config(const TrainArguments& arguments, const std::stri
   const Config config = parse_config(text, arguments.config);
   start.path = arguments.out.empty() ? fmt::format("{}-seed{}.h5", config.name, config.seed) : arguments.out;
   check_writable(start.path);
-  start.setup = set_up(config, data);
+  start.setup = prepare(config, data);
   start.record = new_record(start.setup, text);
   return start;
 }
@@ -92,7 +93,7 @@ TrainingStart start_from_run(const TrainArguments& arguments, const std::string&
   start.record = load_run(arguments.resume);
   check(start.record.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from",
         arguments.resume);
-  start.setup = set_up(start.record, data);
+  start.setup = prepare(start.record, data);
   return start;
 }
 
@@ -113,7 +114,7 @@ PolicyInfo policy_info(const RunRecord& record) {
   return info;
 }
 
-void verify_and_evaluate(const Setup& setup, RunRecord& record) {
+void verify_and_evaluate(const PreparedRun& setup, RunRecord& record) {
   const VerificationOptions& options = setup.config.verification;
   s2nnds::verify(setup, record, "sampled", options);
   if (options.method != "sampled") s2nnds::verify(setup, record, "conformal", options);
@@ -134,7 +135,7 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
   const TrainerSummary summary = s2nnds::train(start.setup, start.record, hooks);
   if (summary.left_out_samples > 0) {
     fmt::print(stderr, "{} demonstration samples within {} of the unsafe set were left out of the fit\n",
-               summary.left_out_samples, start.setup.config.training.keep_clear);
+               summary.left_out_samples, start.setup.config.training.obstacle_margin);
   }
   verify_and_evaluate(start.setup, start.record);
   save_run(start.path, start.record);
@@ -146,7 +147,7 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   set_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
-  const Setup setup = set_up(record, data_directory(common.data));
+  const PreparedRun setup = prepare(record, data_directory(common.data));
   VerificationOptions options = setup.config.verification;
   if (arguments.samples) options.sampled.samples = options.conformal.samples = *arguments.samples;
   if (arguments.epsilon) options.conformal.epsilon = *arguments.epsilon;
@@ -166,7 +167,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
   set_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
-  const Setup setup = set_up(record, data_directory(common.data));
+  const PreparedRun setup = prepare(record, data_directory(common.data));
   s2nnds::evaluate(setup, record);
   save_run(arguments.run, record);
   print_summary(record, arguments.run);
@@ -187,8 +188,10 @@ int export_policy(const ExportArguments& arguments, const CommonArguments& commo
   set_threads(common.threads);
   const RunRecord record = load_run(arguments.run);
   const bool header = arguments.format == "cpp", onnx = arguments.format == "onnx";
-  const std::string path =
-      arguments.out.empty() ? sibling(arguments.run, header ? ".h" : onnx ? ".onnx" : ".pt") : arguments.out;
+  const std::string path = arguments.out.empty() ? sibling(arguments.run, header ? ".h"
+                                                                          : onnx ? ".onnx"
+                                                                                 : ".pt")
+                                                 : arguments.out;
   check_writable(path);
   check(record.certificate.weight_hash.empty() ||
             record.certificate.weight_hash == weight_hash(record.networks),
@@ -201,7 +204,11 @@ int export_policy(const ExportArguments& arguments, const CommonArguments& commo
   } else {
     export_torchscript(record.networks, info, path);
   }
-  fmt::print("{}: {} policy, guarantee {}\n", path, header ? "C++" : onnx ? "ONNX" : "TorchScript", info.guarantee);
+  fmt::print("{}: {} policy, guarantee {}\n", path,
+             header ? "C++"
+             : onnx ? "ONNX"
+                    : "TorchScript",
+             info.guarantee);
   if (common.json) fmt::print("{}\n", summary_json(record, arguments.run));
   return kVerified;
 }

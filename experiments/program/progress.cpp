@@ -20,8 +20,9 @@ std::string counterexamples(const RoundSummary& row) {
   }
   if (text.empty()) text = "none";
   const bool kept = row.counterexamples() == 0;
-  if (row.stage == Stage::polish) text += kept ? " (polished)" : " (f, V and B stay as they were)";
-  if (row.stage == Stage::growth) text += kept ? " (B grew)" : " (B stays as it was)";
+  if (row.stage == Stage::imitation_finetune)
+    text += kept ? " (f fine-tuned)" : " (f, V and B stay as they were)";
+  if (row.stage == Stage::enlarge) text += kept ? " (B grew)" : " (B stays as it was)";
   return text;
 }
 

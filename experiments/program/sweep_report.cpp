@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "s2nnds/core/whole_file.h"
+#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/sweeps/result_table.h"
 
 namespace s2nnds::program {
@@ -128,7 +128,7 @@ void write_tables(const Sweep& sweep, const SweepFolder& folder, const SweepStat
                   const EffectTable& effects) {
   const ResultTable table = make_table(sweep, state);
   write_table(folder.file("table.h5"), table, effects, sweep.options);
-  write_whole_file(folder.file("table.csv"), to_csv(table), "the table");
+  write_atomic_file(folder.file("table.csv"), to_csv(table), "the table");
 }
 
 bool print_report(const Sweep& sweep, const SweepFolder& folder, const SweepState& state,

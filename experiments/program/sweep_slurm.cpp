@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
-#include "s2nnds/core/whole_file.h"
 #include "s2nnds/sweeps/slurm.h"
 
 namespace s2nnds::program {
@@ -42,7 +42,7 @@ void write_list(const SweepFolder& folder, const SweepState& state) {
   if (state.rung == 0) return;
   std::string text;
   for (const std::int64_t trial : state.trials) text += fmt::format("{}\n", trial);
-  write_whole_file(list_file(folder, state.rung), text, "the list of trials");
+  write_atomic_file(list_file(folder, state.rung), text, "the list of trials");
 }
 
 }  // namespace
@@ -72,19 +72,19 @@ void submit_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepStat
   const std::int64_t chunk = chunk_of(options, total);
   const std::string array = array_text(places_of(state), chunk);
   const std::string script = folder.file(fmt::format("slurm/array-{}.sh", jobs.size()));
-  write_whole_file(script, batch_script(sweep, folder, options, array, chunk, threads, task),
-                   "the job script");
+  write_atomic_file(script, batch_script(sweep, folder, options, array, chunk, threads, task),
+                    "the job script");
   jobs.push_back(submit(script, {}));
   fmt::print("{}: job {}: {} trials, {} a task, tasks {}\n", sweep.options.name, jobs.back(),
              state.missing.size(), chunk, array);
   if (state.rung + 1 < sweep.options.rungs()) {
     command.insert(command.end(), {"--slurm", slurm});
     const std::string next = folder.file("slurm/next.sh");
-    write_whole_file(next, follow_up_script(sweep, folder, options, command), "the job script");
+    write_atomic_file(next, follow_up_script(sweep, folder, options, command), "the job script");
     fmt::print("{}: job {} submits the next rung\n", sweep.options.name,
                submit(next, {"--dependency=afterany:" + jobs.back()}));
   }
-  write_whole_file(jobs_file, fmt::format("{}\n", fmt::join(jobs, "\n")), "the list of jobs");
+  write_atomic_file(jobs_file, fmt::format("{}\n", fmt::join(jobs, "\n")), "the list of jobs");
 }
 
 std::vector<std::int64_t> trials_of_task(const Sweep& sweep, const SweepFolder& folder, std::int64_t rung,

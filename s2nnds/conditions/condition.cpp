@@ -36,9 +36,9 @@ Mask within(const RegionPtr& region, const Points& x) {
 Mask is_goal(const Points& x) { return (x.array() == 0.0).rowwise().all(); }
 
 // A barrier without a finite value is not known to be off the band.
-Mask within_band(const Vector& barrier, double band) {
+Mask within_band(const Vector& barrier, double level_band) {
   const auto magnitude = barrier.array().abs();
-  return !(magnitude > band && magnitude < std::numeric_limits<double>::infinity());
+  return !(magnitude > level_band && magnitude < std::numeric_limits<double>::infinity());
 }
 
 // What the conditions are made of, for a set of points.
@@ -104,8 +104,8 @@ Vector keep_where(const Mask& applies, const Vector& residual) {
 }
 
 // rho_q where it applies; `inside` says which points lie in X.
-Vector residual_of(Condition condition, const Ingredients& at, const SafetyProblem& problem, double band,
-                   const Mask& inside, const Points& x) {
+Vector residual_of(Condition condition, const Ingredients& at, const SafetyProblem& problem,
+                   double level_band, const Mask& inside, const Points& x) {
   switch (condition) {
     case Condition::lyapunov_positive:
       return keep_where(inside && !is_goal(x), -at.lyapunov);
@@ -116,17 +116,17 @@ Vector residual_of(Condition condition, const Ingredients& at, const SafetyProbl
     case Condition::unsafe:
       return keep_where(inside && within(problem.unsafe, x), -at.barrier);
     case Condition::containment:
-      return keep_where(inside && within(problem.shell, x), -at.barrier);
+      return keep_where(inside && within(problem.workspace_margin, x), -at.barrier);
     case Condition::barrier_decrease:
-      return keep_where(inside && within_band(at.barrier, band), at.barrier_derivative);
+      return keep_where(inside && within_band(at.barrier, level_band), at.barrier_derivative);
   }
   fail("condition: found the value {}, expected 0 to {}", static_cast<int>(condition), condition_count - 1);
 }
 
-void check_points(const SafetyProblem& problem, double band, const Points& x) {
+void check_points(const SafetyProblem& problem, double level_band, const Points& x) {
   check(x.cols() == problem.dimension(), "residuals: found points of dimension {}, expected {}", x.cols(),
         problem.dimension());
-  check(band >= 0.0, "residuals: found band = {}, expected >= 0", band);
+  check(level_band >= 0.0, "residuals: found level_band = {}, expected >= 0", level_band);
 }
 
 }  // namespace
@@ -151,23 +151,24 @@ std::string_view to_string(Condition condition) {
 
 bool allows_zero(Condition condition) { return condition == Condition::initial; }
 
-Points residuals(const Networks& networks, const SafetyProblem& problem, double band, const Points& x,
+Points residuals(const Networks& networks, const SafetyProblem& problem, double level_band, const Points& x,
                  Precision precision) {
-  check_points(problem, band, x);
+  check_points(problem, level_band, x);
   const Ingredients at =
       precision == Precision::single_ ? evaluate_all<float>(networks, x) : evaluate_all<double>(networks, x);
   const Mask inside = within(problem.workspace, x);
   Points all(x.rows(), condition_count);
   for (std::size_t i = 0; i < all_conditions.size(); ++i) {
-    all.col(static_cast<Eigen::Index>(i)) = residual_of(all_conditions[i], at, problem, band, inside, x);
+    all.col(static_cast<Eigen::Index>(i)) =
+        residual_of(all_conditions[i], at, problem, level_band, inside, x);
   }
   return all;
 }
 
-Vector residual(Condition condition, const Networks& networks, const SafetyProblem& problem, double band,
-                const Points& x) {
-  check_points(problem, band, x);
-  return residual_of(condition, evaluate_for(condition, networks, x), problem, band,
+Vector residual(Condition condition, const Networks& networks, const SafetyProblem& problem,
+                double level_band, const Points& x) {
+  check_points(problem, level_band, x);
+  return residual_of(condition, evaluate_for(condition, networks, x), problem, level_band,
                      within(problem.workspace, x), x);
 }
 

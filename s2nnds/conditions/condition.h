@@ -3,7 +3,7 @@
 #include <array>
 #include <string_view>
 
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/safety_problem.h"
 
 namespace s2nnds {
@@ -16,8 +16,8 @@ enum class Condition {
   lyapunov_decrease,  // rho_2 = Vdot   < 0   on X without the goal, Vdot = grad V . f
   initial,            // rho_3 = B     <= 0   on X0
   unsafe,             // rho_4 = -B     < 0   on Xu
-  containment,        // rho_4 = -B     < 0   on the workspace's outer shell
-  barrier_decrease,   // rho_5 = Bdot   < 0   where |B| <= band, Bdot = grad B . f
+  containment,        // rho_4 = -B     < 0   on the workspace's outer margin
+  barrier_decrease,   // rho_5 = Bdot   < 0   where |B| <= level_band, Bdot = grad B . f
 };
 inline constexpr std::array<Condition, 6> all_conditions = {
     Condition::lyapunov_positive, Condition::lyapunov_decrease, Condition::initial, Condition::unsafe,
@@ -38,13 +38,13 @@ inline bool is_violated(Condition condition, double residual) {
 enum class Precision { single_, double_ };
 
 // The residuals at N points [N, n] -> [N, condition_count]; -infinity where a condition does not apply, NaN
-// where a network overflows. `band` is eps_B, the half-width of the band around {B = 0}. Nothing applies
+// where a network overflows. `level_band` is eps_B, the half-width of the band around {B = 0}. Nothing applies
 // outside X; a point at the goal itself (x = 0 exactly) is outside rho_1 and rho_2.
-Points residuals(const Networks& networks, const SafetyProblem& problem, double band, const Points& x,
+Points residuals(const Networks& networks, const SafetyProblem& problem, double level_band, const Points& x,
                  Precision precision = Precision::double_);
 
 // One column of `residuals` [N], evaluating only the networks that it needs.
-Vector residual(Condition condition, const Networks& networks, const SafetyProblem& problem, double band,
-                const Points& x);
+Vector residual(Condition condition, const Networks& networks, const SafetyProblem& problem,
+                double level_band, const Points& x);
 
 }  // namespace s2nnds

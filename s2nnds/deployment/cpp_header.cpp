@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <iterator>
 
+#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
-#include "s2nnds/core/whole_file.h"
 #include "s2nnds/deployment/policy_kernels.h"
 #include "s2nnds/networks/dense_kernels.h"
 
@@ -66,7 +66,7 @@ void put(Text& text, fmt::format_string<Args...> format, Args&&... args) {
 // One network as source: its weights, layers(x, y) = N(x), and the function of its head.
 class NetworkSource {
  public:
-  NetworkSource(Text& text, std::string name, const LayerStack& stack, bool single)
+  NetworkSource(Text& text, std::string name, const NetworkWeights& stack, bool single)
       : text_(text),
         name_(std::move(name)),
         stack_(stack),
@@ -190,7 +190,7 @@ class NetworkSource {
 
   Text& text_;
   std::string name_;
-  const LayerStack& stack_;
+  const NetworkWeights& stack_;
   bool single_;
   const char* real_;
 };
@@ -330,7 +330,7 @@ void export_cpp_header(const Networks& networks, const PolicyInfo& info, HeaderP
   NetworkSource(text, "V", networks.V, false).write_all();
   NetworkSource(text, "B", networks.B, false).write_all();
   put(text, kInterface, single ? "float" : "double", space);
-  write_whole_file(path, fmt::to_string(text), "the policy");
+  write_atomic_file(path, fmt::to_string(text), "the policy");
 }
 
 }  // namespace s2nnds

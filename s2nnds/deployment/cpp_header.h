@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "s2nnds/deployment/policy_info.h"
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
 
@@ -28,7 +28,7 @@ std::string policy_namespace(const std::string& path);
 //   velocity_scale, name, unit, guarantee, statement, weight_hash, workspace [2 n] (lower corner, then upper
 //   corner, data's unit), precision, disturbance_margin and float32_error (unit per second).
 // Loops are written for the vector registers of GCC and Clang (SSE2 to AVX-512, NEON) as the flags allow, and
-// run one by one elsewhere. f(0) = 0 exactly for anchored networks. The file is written beside `path` and
+// run one by one elsewhere. f(0) = 0 exactly for zero_at_origin networks. The file is written beside `path` and
 // renamed. Throws Error if it cannot be written, or if the networks do not fit.
 void export_cpp_header(const Networks& networks, const PolicyInfo& info, HeaderPrecision precision,
                        const std::string& path);

@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 #include <onnx/onnx_pb.h>
 
+#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
-#include "s2nnds/core/whole_file.h"
 
 namespace s2nnds {
 namespace {
@@ -80,7 +80,7 @@ std::string activate(GraphBuilder& graph, Activation activation, const std::stri
 }
 
 // y(z) for normalised z [N, n]: [N, m], or [N] for squared_norm.
-std::string add_network(GraphBuilder& graph, const LayerStack& stack, const std::string& z) {
+std::string add_network(GraphBuilder& graph, const NetworkWeights& stack, const std::string& z) {
   stack.check();
   std::string a = z;
   for (const Layer& layer : stack.layers) {
@@ -91,7 +91,7 @@ std::string add_network(GraphBuilder& graph, const LayerStack& stack, const std:
     a = activate(graph, layer.activation, graph.node("Gemm", inputs, {{"transB", 1}}));
   }
   if (stack.head != Head::plain) {
-    LayerStack plain = stack;
+    NetworkWeights plain = stack;
     plain.head = Head::plain;
     const Points origin = plain.value(Points::Zero(1, stack.input_dimension()));
     a = graph.node("Sub", {a, graph.constant(floats(origin.data(), origin.size()), {origin.size()})});
@@ -164,7 +164,7 @@ void export_onnx(const Networks& networks, const PolicyInfo& info, const std::st
   add_metadata(model, networks, info);
   std::string bytes;
   check(model.SerializeToString(&bytes), "policy: ONNX refused the model");
-  write_whole_file(path, bytes, "the policy");
+  write_atomic_file(path, bytes, "the policy");
 }
 
 }  // namespace s2nnds

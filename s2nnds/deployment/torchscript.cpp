@@ -5,8 +5,8 @@
 
 #include <sstream>
 
+#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
-#include "s2nnds/core/whole_file.h"
 
 namespace s2nnds {
 namespace {
@@ -35,7 +35,8 @@ std::string call(Activation activation, const std::string& z) {
 
 // Registers the weights of one network under `prefix` and returns the source of its method prefix(z), z [N,
 // n] normalised -> [N, m].
-std::string define_network(torch::jit::Module& module, const LayerStack& stack, const std::string& prefix) {
+std::string define_network(torch::jit::Module& module, const NetworkWeights& stack,
+                           const std::string& prefix) {
   stack.check();
   std::string source = "def " + prefix + "(self, z: Tensor) -> Tensor:\n  a = z\n";
   for (std::size_t k = 0; k < stack.layers.size(); ++k) {
@@ -52,7 +53,7 @@ std::string define_network(torch::jit::Module& module, const LayerStack& stack, 
     source += "  a = " + call(layer.activation, z) + "\n";
   }
   if (stack.head != Head::plain) {
-    LayerStack plain = stack;
+    NetworkWeights plain = stack;
     plain.head = Head::plain;
     const Points at_origin = plain.value(Points::Zero(1, stack.input_dimension()));
     module.register_buffer(prefix + "_origin", to_float32(at_origin.data(), {at_origin.cols()}));
@@ -130,7 +131,7 @@ void export_torchscript(const Networks& networks, const PolicyInfo& info, const 
   } catch (const c10::Error& e) {
     fail("policy: TorchScript refused the module: {}", e.what_without_backtrace());
   }
-  write_whole_file(path, serialised(module), "the policy");
+  write_atomic_file(path, serialised(module), "the policy");
 }
 
 }  // namespace s2nnds

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "s2nnds/deployment/policy_info.h"
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFirstStep = 0.02;
 constexpr double kShortestStep = 1e-9;
-constexpr int kMostSteps = 2'000;  // a motion that takes more chatters, and would hold up all others
+constexpr int kMostSteps = 2'000;     // a motion that takes more chatters, and would hold up all others
 constexpr Eigen::Index kChunk = 512;  // starts that advance together
 
 // Many motions at once. Each has its own time and step; those that are decided leave the batch, so that the
@@ -177,7 +177,7 @@ class BatchRollout {
 
 }  // namespace
 
-std::vector<bool> rollout_is_safe(const LayerStack& f, const SafetyProblem& problem, const Points& starts,
+std::vector<bool> rollout_is_safe(const NetworkWeights& f, const SafetyProblem& problem, const Points& starts,
                                   const BatchRolloutOptions& options) {
   check_vector_field(f, problem.dimension(), "rollout_is_safe");
   check_vector_field(f, starts.cols(), "rollout_is_safe");

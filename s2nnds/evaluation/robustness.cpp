@@ -28,7 +28,7 @@ bool is_free(const SafetyProblem& problem, const Vector& x) {
   return problem.workspace.contains(x) && problem.unsafe->level(at)[0] > 0.0;
 }
 
-Motion follow(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
+Motion follow(const NetworkWeights& f, const SafetyProblem& problem, const Vector& start,
               const RolloutOptions& options) {
   const Rollout rollout = roll_out(f, problem, start, options);
   return {rollout.position,
@@ -37,7 +37,7 @@ Motion follow(const LayerStack& f, const SafetyProblem& problem, const Vector& s
           {start}};
 }
 
-Motion follow_pushed(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
+Motion follow_pushed(const NetworkWeights& f, const SafetyProblem& problem, const Vector& start,
                      const Vector& push, const RolloutOptions& options) {
   const Motion whole = follow(f, problem, start, options);
   if (whole.stop != StopReason::reached_goal) return whole;
@@ -89,7 +89,7 @@ class Obstacle {
   double gap_ = 0.0;  // the farthest of all from the few
 };
 
-bool is_covered(const Motion& motion, const LayerStack& barrier) {
+bool is_covered(const Motion& motion, const NetworkWeights& barrier) {
   return std::all_of(motion.placed.begin(), motion.placed.end(),
                      [&](const Vector& x) { return barrier.value(Points(x.transpose()))(0, 0) <= 0.0; });
 }
@@ -120,7 +120,7 @@ Vector normal(Eigen::Index n, RandomStream& random) {
 }
 
 MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& motions,
-                        const LayerStack* barrier, const Obstacle& obstacle) {
+                        const NetworkWeights* barrier, const Obstacle& obstacle) {
   MotionOutcomes found{.starts = starts,
                        .motions = static_cast<std::int64_t>(motions.size()),
                        .covered_converged = kNotMeasured,
@@ -162,7 +162,7 @@ MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& mo
 
 }  // namespace
 
-std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const LayerStack* barrier,
+std::vector<MotionOutcomes> measure_robustness(const NetworkWeights& f, const NetworkWeights* barrier,
                                                const SafetyProblem& problem,
                                                const std::vector<Demonstration>& demonstrations,
                                                std::uint64_t seed, const RobustnessOptions& options) {

@@ -35,10 +35,10 @@ struct MotionOutcomes {
 // Rolls f out from a grid of starts, from starts beside the demonstrations' first points, and from those
 // first points with a sudden displacement half way (of the time to the goal; none where the motion does not
 // arrive even so); a displacement that ends in Xu or outside X counts as unsafe. As in roll_out, entering the
-// shell is leaving X. Random numbers: streams "robustness/..." of `seed`. Distances are measured to samples
+// margin is leaving X. Random numbers: streams "robustness/..." of `seed`. Distances are measured to samples
 // of Xu's boundary, so they are too large, by the largest gap between these at most; NaN without an obstacle.
 // `barrier`: the B that f was certified with, if any.
-std::vector<MotionOutcomes> measure_robustness(const LayerStack& f, const LayerStack* barrier,
+std::vector<MotionOutcomes> measure_robustness(const NetworkWeights& f, const NetworkWeights* barrier,
                                                const SafetyProblem& problem,
                                                const std::vector<Demonstration>& demonstrations,
                                                std::uint64_t seed, const RobustnessOptions& options = {});

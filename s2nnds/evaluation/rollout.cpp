@@ -26,7 +26,7 @@ constexpr int kBisections = 40;  // of a sub-step: to 1e-12 of it
 // xdot = f(x), followed step by step; between the ends of a step the method's own interpolation holds.
 class Motion {
  public:
-  Motion(const LayerStack& f, const Vector& start, const RolloutOptions& options)
+  Motion(const NetworkWeights& f, const Vector& start, const RolloutOptions& options)
       : field_(f),
         point_(1, start.size()),
         stepper_(odeint::make_dense_output(options.absolute_tolerance, options.relative_tolerance,
@@ -186,7 +186,7 @@ void RolloutOptions::visit(FieldVisitor& v) {
   v.field("stop_at_unsafe", stop_at_unsafe);
 }
 
-Rollout roll_out(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
+Rollout roll_out(const NetworkWeights& f, const SafetyProblem& problem, const Vector& start,
                  const RolloutOptions& options) {
   validate(options);
   check_vector_field(f, problem.dimension(), "roll_out");
@@ -206,7 +206,7 @@ Rollout roll_out(const LayerStack& f, const SafetyProblem& problem, const Vector
   return recorder.finish(stop);
 }
 
-Points roll_out_at(const LayerStack& f, const Vector& start, const Vector& times,
+Points roll_out_at(const NetworkWeights& f, const Vector& start, const Vector& times,
                    const RolloutOptions& options) {
   validate(options);
   check_vector_field(f, start.size(), "roll_out_at");

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/safety_problem.h"
 
 namespace s2nnds {
@@ -32,18 +32,18 @@ struct Rollout {
 // Integrates with an adaptive Runge-Kutta method (Dormand-Prince 5(4), Boost.Odeint). The motion is followed
 // on the dense output in sub-steps of at most 0.005 of length, so that a set is noticed if the motion stays
 // in it that long (a single step longer than 5 is looked at 1,024 times); the moment of entry is bisected.
-// After 50,000 steps the motion counts as failed. Leaving the workspace includes entering the shell. The last
+// After 50,000 steps the motion counts as failed. Leaving the workspace includes entering the workspace margin. The last
 // point is where the motion stopped. f must be n -> n; throws Error on other dimensions.
-Rollout roll_out(const LayerStack& f, const SafetyProblem& problem, const Vector& start,
+Rollout roll_out(const NetworkWeights& f, const SafetyProblem& problem, const Vector& start,
                  const RolloutOptions& options = {});
 
 // The position at each of `times` (ascending, normalised, from 0): [M, n]; never stops early. Rows after a
 // failed step (the motion escapes to infinity) are NaN.
-Points roll_out_at(const LayerStack& f, const Vector& start, const Vector& times,
+Points roll_out_at(const NetworkWeights& f, const Vector& start, const Vector& times,
                    const RolloutOptions& options = {});
 
 // Labels for many starts at once: true where the rollout reaches the goal without touching the unsafe set or
-// leaving the workspace (or entering the shell). All points advance together by Bogacki-Shampine 3(2)
+// leaving the workspace (or entering the workspace margin). All points advance together by Bogacki-Shampine 3(2)
 // (Bogacki, Shampine 1989), each with a step of its own; sets are looked for every 0.005 of length, as in
 // roll_out. For training labels and areas, not proofs.
 struct BatchRolloutOptions {
@@ -53,7 +53,7 @@ struct BatchRolloutOptions {
   double duration = 40.0;
   double goal_radius = 0.02;
 };
-std::vector<bool> rollout_is_safe(const LayerStack& f, const SafetyProblem& problem, const Points& starts,
+std::vector<bool> rollout_is_safe(const NetworkWeights& f, const SafetyProblem& problem, const Points& starts,
                                   const BatchRolloutOptions& options = {});
 
 }  // namespace s2nnds

@@ -30,13 +30,14 @@ std::vector<StopReason> RolloutEvents::at(const Points& x) const {
   if (x.rows() == 0) return reasons;
   if (at_goal_) mark(x.rowwise().norm().array() <= goal_radius_, StopReason::reached_goal, reasons);
   if (at_sets_) {
-    mark(outside(problem_.workspace, x) || inside(problem_.shell, x), StopReason::left_workspace, reasons);
+    mark(outside(problem_.workspace, x) || inside(problem_.workspace_margin, x), StopReason::left_workspace,
+         reasons);
     mark(inside(problem_.unsafe, x), StopReason::entered_unsafe, reasons);
   }
   return reasons;
 }
 
-void check_vector_field(const LayerStack& f, Eigen::Index dimension, const char* where) {
+void check_vector_field(const NetworkWeights& f, Eigen::Index dimension, const char* where) {
   check(f.input_dimension() == dimension && f.output_dimension() == dimension,
         "{}: found a vector field {} -> {}, expected {} -> {}", where, f.input_dimension(),
         f.output_dimension(), dimension, dimension);

@@ -9,7 +9,7 @@ namespace s2nnds {
 inline constexpr double look_spacing = 0.005;
 inline constexpr Eigen::Index most_looks = 1 << 10;
 
-// What ends a motion: the goal, the unsafe set, the edge of the workspace or its shell. Keeps references to
+// What ends a motion: the goal, the unsafe set, the edge of the workspace or its margin. Keeps references to
 // what it is made from.
 class RolloutEvents {
  public:
@@ -30,6 +30,6 @@ class RolloutEvents {
 };
 
 // Throws Error unless f maps the dimension to itself.
-void check_vector_field(const LayerStack& f, Eigen::Index dimension, const char* where);
+void check_vector_field(const NetworkWeights& f, Eigen::Index dimension, const char* where);
 
 }  // namespace s2nnds

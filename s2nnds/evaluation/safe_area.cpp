@@ -80,7 +80,7 @@ double sublevel_area(const std::function<Vector(const Points&)>& level, const Bo
   return area_of((level(x).array() <= 0.0).count(), x.rows(), within);
 }
 
-double sublevel_area(const LayerStack& B, const Box& within, int cells) {
+double sublevel_area(const NetworkWeights& B, const Box& within, int cells) {
   return sublevel_area([&](const Points& x) -> Vector { return B.value(x).col(0); }, within, cells);
 }
 

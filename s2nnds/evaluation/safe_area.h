@@ -19,6 +19,6 @@ SafeArea measure_safe_area(const Networks& networks, const SafetyProblem& proble
 
 // The area of {level <= 0} alone within any finite box, on such a grid; `level` maps [N, n] to [N].
 double sublevel_area(const std::function<Vector(const Points&)>& level, const Box& within, int cells);
-double sublevel_area(const LayerStack& B, const Box& within, int cells);
+double sublevel_area(const NetworkWeights& B, const Box& within, int cells);
 
 }  // namespace s2nnds

@@ -86,7 +86,7 @@ double dtw_independent(const Points& a, const Points& b) {
   return std::sqrt(sum);
 }
 
-MotionErrors motion_errors(const LayerStack& f, const std::vector<Demonstration>& demonstrations,
+MotionErrors motion_errors(const NetworkWeights& f, const std::vector<Demonstration>& demonstrations,
                            const RolloutOptions& options) {
   if (demonstrations.empty()) return {kNotANumber, kNotANumber, kNotANumber, kNotANumber};
   const Points velocity = stack_velocities(demonstrations);

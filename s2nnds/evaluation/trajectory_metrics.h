@@ -27,7 +27,7 @@ struct MotionErrors {
 };
 // Velocity errors at the samples; DTW of the rollout from each demonstration's first point at its time
 // stamps.
-MotionErrors motion_errors(const LayerStack& f, const std::vector<Demonstration>& demonstrations,
+MotionErrors motion_errors(const NetworkWeights& f, const std::vector<Demonstration>& demonstrations,
                            const RolloutOptions& options = {});
 
 }  // namespace s2nnds

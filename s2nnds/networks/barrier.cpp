@@ -17,9 +17,9 @@ std::pair<torch::Tensor, torch::Tensor> BarrierImpl::forward_tangent(const torch
   return {value.squeeze(1), derivative.squeeze(1)};
 }
 
-LayerStack BarrierImpl::snapshot() const { return {network->layers(), Head::plain, 0.0}; }
+NetworkWeights BarrierImpl::snapshot() const { return {network->layers(), Head::plain, 0.0}; }
 
-void BarrierImpl::restore(const LayerStack& stack) {
+void BarrierImpl::restore(const NetworkWeights& stack) {
   check(stack.head == Head::plain, "networks.B: found head {}, expected plain", to_string(stack.head));
   network->set_layers(stack.layers);
 }

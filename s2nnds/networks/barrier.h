@@ -13,8 +13,8 @@ class BarrierImpl : public torch::nn::Module {
   // B(x) and grad B(x) . direction, both [N].
   std::pair<torch::Tensor, torch::Tensor> forward_tangent(const torch::Tensor& x,
                                                           const torch::Tensor& direction);
-  LayerStack snapshot() const;
-  void restore(const LayerStack& stack);  // throws Error if the shapes differ
+  NetworkWeights snapshot() const;
+  void restore(const NetworkWeights& stack);  // throws Error if the shapes differ
 
   Mlp network{nullptr};
 };

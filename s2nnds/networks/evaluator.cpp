@@ -6,7 +6,7 @@ namespace s2nnds {
 namespace {
 
 template <typename T>
-FusedNetwork<T> pack(const LayerStack& stack) {
+FusedNetwork<T> pack(const NetworkWeights& stack) {
   stack.check();
   std::vector<LayerShape> shapes;
   std::vector<T> parameters;
@@ -33,7 +33,7 @@ decltype(auto) in_precision(const Points& x) {
 }  // namespace
 
 template <typename T>
-BasicEvaluator<T>::BasicEvaluator(const LayerStack& stack)
+BasicEvaluator<T>::BasicEvaluator(const NetworkWeights& stack)
     : network_(pack<T>(stack)), head_(stack.head), quadratic_(stack.quadratic) {
   at_origin_.setZero(1, network_.outputs());
   if (head_ != Head::plain) {

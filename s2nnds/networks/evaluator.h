@@ -1,22 +1,22 @@
 #pragma once
 
 #include "s2nnds/networks/fused_network.h"
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
 
-// A LayerStack made ready for many evaluations: weights packed once, N(0) computed once. T is the precision
+// A NetworkWeights made ready for many evaluations: weights packed once, N(0) computed once. T is the precision
 // of the arithmetic: double for what is verified, float where a search or a hint for training is all that is
 // wanted.
 template <typename T>
 class BasicEvaluator {
  public:
-  explicit BasicEvaluator(const LayerStack& stack);  // throws Error if the stack is not consistent
+  explicit BasicEvaluator(const NetworkWeights& stack);  // throws Error if the stack is not consistent
 
   Eigen::Index input_dimension() const { return network_.inputs(); }
   Eigen::Index output_dimension() const { return head_ == Head::squared_norm ? 1 : network_.outputs(); }
 
-  // As the functions of LayerStack; throw Error on a wrong shape.
+  // As the functions of NetworkWeights; throw Error on a wrong shape.
   Points value(const Points& x) const;
   void value_and_derivative(const Points& x, const Points& direction, Points& value,
                             Points& derivative) const;
@@ -27,7 +27,7 @@ class BasicEvaluator {
   FusedNetwork<T> network_;
   Head head_;
   double quadratic_;
-  Matrix at_origin_;  // [1, outputs]: N(0), for anchored and squared_norm
+  Matrix at_origin_;  // [1, outputs]: N(0), for zero_at_origin and squared_norm
 };
 using Evaluator = BasicEvaluator<double>;
 

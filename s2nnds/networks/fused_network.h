@@ -4,7 +4,7 @@
 
 #include "s2nnds/networks/activation.h"
 #include "s2nnds/networks/dense_kernels.h"
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
 

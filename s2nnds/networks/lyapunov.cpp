@@ -32,11 +32,11 @@ std::pair<torch::Tensor, torch::Tensor> LyapunovImpl::forward_tangent(const torc
           2.0 * ((difference * along).sum(1) + quadratic_ * (x * direction).sum(1))};
 }
 
-LayerStack LyapunovImpl::snapshot() const {
+NetworkWeights LyapunovImpl::snapshot() const {
   return {network->layers(), squared_ ? Head::squared_norm : Head::plain, quadratic_};
 }
 
-void LyapunovImpl::restore(const LayerStack& stack) {
+void LyapunovImpl::restore(const NetworkWeights& stack) {
   check(stack.head == (squared_ ? Head::squared_norm : Head::plain) && stack.quadratic == quadratic_,
         "networks.V: found head {} with quadratic {}, expected {} with {}", to_string(stack.head),
         stack.quadratic, squared_ ? "squared_norm" : "plain", quadratic_);

@@ -8,8 +8,8 @@
 
 #include "s2nnds/core/random.h"
 #include "s2nnds/networks/fused_network.h"
-#include "s2nnds/networks/layer_stack.h"
 #include "s2nnds/networks/network_options.h"
+#include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
 

@@ -1,7 +1,7 @@
 #include "s2nnds/networks/network_options.h"
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
 
@@ -16,7 +16,7 @@ void MlpOptions::visit(FieldVisitor& v) {
 
 void VectorFieldOptions::visit(FieldVisitor& v) {
   network.visit(v);
-  v.field("anchored", anchored);
+  v.field("zero_at_origin", zero_at_origin);
 }
 
 void LyapunovOptions::visit(FieldVisitor& v) {
@@ -38,7 +38,7 @@ void NetworkOptions::visit(FieldVisitor& v) {
 NetworkOptions paper_networks() {
   NetworkOptions options;
   options.f = {.network = {.hidden = {64, 64, 64, 64}, .output_activation = "tanh", .bias = false},
-               .anchored = false};
+               .zero_at_origin = false};
   options.V = {.network = {.hidden = {128, 128, 128}, .activation = "elu", .bias = false}, .form = "scalar"};
   options.B = {.network = {.hidden = {128, 128, 128}, .activation = "elu"}};
   return options;

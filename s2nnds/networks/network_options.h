@@ -21,13 +21,13 @@ struct MlpOptions {
 };
 
 // The dynamics f: R^n -> R^n with f(0) = 0.
-//   anchored: f(x) = g(x) - g(0), g a network with biases (profile robust);
+//   zero_at_origin: f(x) = g(x) - g(0), g a network with biases (profile robust);
 //   else    : f = g without biases (profile paper). With odd activations f(-x) = -f(x) then, so that motions
 //   that
 //             pass through x and -x cannot be fitted.
 struct VectorFieldOptions {
   MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};
-  bool anchored = true;
+  bool zero_at_origin = true;
 
   void visit(FieldVisitor& v);
 };

@@ -7,23 +7,25 @@ namespace s2nnds {
 
 VectorFieldImpl::VectorFieldImpl(std::int64_t dimension, const VectorFieldOptions& options,
                                  RandomStream& random, torch::Dtype dtype)
-    : anchored_(options.anchored) {
-  check(anchored_ || !options.network.bias, "networks.f: f(0) = 0 needs anchored = true or bias = false");
+    : zero_at_origin_(options.zero_at_origin) {
+  check(zero_at_origin_ || !options.network.bias,
+        "networks.f: f(0) = 0 needs zero_at_origin = true or bias = false");
   network = register_module("network", Mlp(dimension, dimension, options.network, random, dtype));
 }
 
 torch::Tensor VectorFieldImpl::forward(const torch::Tensor& x) {
-  if (!anchored_) return network(x);
+  if (!zero_at_origin_) return network(x);
   return less_origin(network(with_origin(x)));
 }
 
-LayerStack VectorFieldImpl::snapshot() const {
-  return {network->layers(), anchored_ ? Head::anchored : Head::plain, 0.0};
+NetworkWeights VectorFieldImpl::snapshot() const {
+  return {network->layers(), zero_at_origin_ ? Head::zero_at_origin : Head::plain, 0.0};
 }
 
-void VectorFieldImpl::restore(const LayerStack& stack) {
-  check(stack.head == (anchored_ ? Head::anchored : Head::plain), "networks.f: found head {}, expected {}",
-        to_string(stack.head), anchored_ ? "anchored" : "plain");
+void VectorFieldImpl::restore(const NetworkWeights& stack) {
+  check(stack.head == (zero_at_origin_ ? Head::zero_at_origin : Head::plain),
+        "networks.f: found head {}, expected {}", to_string(stack.head),
+        zero_at_origin_ ? "zero_at_origin" : "plain");
   network->set_layers(stack.layers);
 }
 

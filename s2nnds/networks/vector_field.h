@@ -10,13 +10,13 @@ class VectorFieldImpl : public torch::nn::Module {
   VectorFieldImpl(std::int64_t dimension, const VectorFieldOptions& options, RandomStream& random,
                   torch::Dtype dtype = torch::kFloat32);
   torch::Tensor forward(const torch::Tensor& x);  // [N, n] -> [N, n]
-  LayerStack snapshot() const;
-  void restore(const LayerStack& stack);  // throws Error if the shapes differ
+  NetworkWeights snapshot() const;
+  void restore(const NetworkWeights& stack);  // throws Error if the shapes differ
 
   Mlp network{nullptr};
 
  private:
-  bool anchored_;
+  bool zero_at_origin_;
 };
 TORCH_MODULE(VectorField);
 

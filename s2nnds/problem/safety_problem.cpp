@@ -93,7 +93,7 @@ void check_unsafe(const SafetyProblem& problem, const std::string& type) {
 
 void check_initial(const SafetyProblem& problem) {
   const double half_width = problem.workspace.upper[0];
-  const double reach = problem.shell ? problem.containment * half_width : half_width;
+  const double reach = problem.workspace_margin ? problem.containment * half_width : half_width;
   // Beyond twice the workspace nobody looks.
   const Box around = Box::cube(problem.dimension(), 2.0 * half_width);
   check_defined(problem.initial, around, "problem.initial");
@@ -101,7 +101,7 @@ void check_initial(const SafetyProblem& problem) {
   const auto stray = common_point(problem.initial, beyond, around);
   check(!stray, "problem.initial: {} reaches {}, outside of the {}: expected coordinates below {:.6g}",
         problem.initial->describe(), stray ? text(*stray) : "",
-        problem.shell ? "contained workspace" : "workspace", reach);
+        problem.workspace_margin ? "contained workspace" : "workspace", reach);
   check(!RegionSampler(problem.initial, problem.workspace).empty(),
         "problem.initial: {} is empty or has no volume in the workspace (problem.padding grows it)",
         problem.initial->describe());
@@ -133,7 +133,8 @@ SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demo
   problem.unsafe = make_region(options.unsafe, dimension, data_dir, "problem.unsafe");
   check_unsafe(problem, options.unsafe.type);
   if (options.contain) {
-    problem.shell = complement(box_region(Box::cube(dimension, options.containment * options.workspace)));
+    problem.workspace_margin =
+        complement(box_region(Box::cube(dimension, options.containment * options.workspace)));
   }
   problem.initial = make_initial(options, first_points(demonstrations), data_dir);
   check_initial(problem);

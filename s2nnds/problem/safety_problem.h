@@ -15,7 +15,7 @@ struct SafetyProblem {
   RegionPtr unsafe;   // Xu, the obstacle
   // {x : |x|_inf >= containment * workspace}, closed: entering it counts as leaving the workspace. Null if
   // the safe set need not be contained.
-  RegionPtr shell;
+  RegionPtr workspace_margin;
   double containment = 0.985;  // the safe set must lie in containment * X
 
   Eigen::Index dimension() const { return workspace.dimension(); }

@@ -9,7 +9,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
-#include "s2nnds/runs/float32_source.h"
+#include "s2nnds/runs/disturbance_falsifier.h"
 #include "s2nnds/runs/proof_source.h"
 #include "s2nnds/runs/threads.h"
 #include "s2nnds/runs/training_checkpoint.h"
@@ -64,7 +64,7 @@ Guarantee guarantee_of(const Certificate& certificate, const SafetyProblem& prob
   if (all_are(certificate, "proof", "proved")) return Guarantee::invariant;
   bool proved = true;
   for (Condition condition : all_conditions) {
-    if (condition == Condition::containment && !problem.shell) continue;
+    if (condition == Condition::containment && !problem.workspace_margin) continue;
     proved = proved && is_proved(certificate, to_string(condition));
   }
   if (proved) return Guarantee::proved;
@@ -81,12 +81,12 @@ ConditionVerdict side_condition(const char* name, bool holds) {
 }
 
 // The proof's verdicts on all conditions and on what invariance needs besides; open boxes go into the record.
-std::vector<ConditionVerdict> verify_by_proof(const Setup& setup, RunRecord& record,
+std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecord& record,
                                               const VerificationOptions& options,
                                               const ProofProgress& progress) {
   const ProofFunctions functions = ProofFunctions::of(record.networks);
   const ProofResult result =
-      prove(functions, setup.problem, record.certificate.band, options.proof, progress);
+      prove(functions, setup.problem, record.certificate.level_band, options.proof, progress);
   std::vector<ConditionVerdict> verdicts;
   record.open_boxes.clear();
   for (const ConditionProof& proof : result.conditions) {
@@ -124,7 +124,7 @@ Points grid_points(const std::vector<Vector>& axes) {
   return x;
 }
 
-Grid make_grid(const Setup& setup, const Networks& networks) {
+Grid make_grid(const PreparedRun& setup, const Networks& networks) {
   const Eigen::Index n = setup.problem.dimension();
   const Eigen::Index side = n == 2 ? setup.config.evaluation.grid_points
                                    : std::min<Eigen::Index>(41, setup.config.evaluation.grid_points);
@@ -140,7 +140,7 @@ Grid make_grid(const Setup& setup, const Networks& networks) {
   return grid;
 }
 
-std::vector<StoredRollout> make_rollouts(const Setup& setup, const LayerStack& f) {
+std::vector<StoredRollout> make_rollouts(const PreparedRun& setup, const NetworkWeights& f) {
   std::vector<StoredRollout> rollouts;
   const auto add = [&](const std::vector<Demonstration>& demonstrations, const std::string& kind) {
     for (const Demonstration& d : demonstrations) {
@@ -158,8 +158,8 @@ std::string number(double value) { return fmt::format("{:.4g}", value); }
 
 }  // namespace
 
-Setup set_up(const Config& config, const std::string& data_dir) {
-  Setup setup;
+PreparedRun prepare(const Config& config, const std::string& data_dir) {
+  PreparedRun setup;
   setup.config = config;
   setup.raw = read_demonstrations(config.data, data_dir);
   setup.normalization = find_normalization(config.data.normalization, setup.raw.demonstrations);
@@ -169,8 +169,8 @@ Setup set_up(const Config& config, const std::string& data_dir) {
   return setup;
 }
 
-Setup set_up(const RunRecord& record, const std::string& data_dir) {
-  Setup setup;
+PreparedRun prepare(const RunRecord& record, const std::string& data_dir) {
+  PreparedRun setup;
   setup.config = parse_config(record.config.resolved, "the run's configuration");
   setup.normalization = record.data.normalization;
   setup.split = record.data.split;
@@ -179,7 +179,7 @@ Setup set_up(const RunRecord& record, const std::string& data_dir) {
   return setup;
 }
 
-RunRecord new_record(const Setup& setup, const std::string& text) {
+RunRecord new_record(const PreparedRun& setup, const std::string& text) {
   RunRecord record;
   record.program_version = program_version();
   record.library_versions = library_versions();
@@ -196,12 +196,12 @@ RunRecord new_record(const Setup& setup, const std::string& text) {
     record.data.demonstrations[k].time = setup.raw.demonstrations[k].time;
   }
   record.problem = {setup.problem.unsafe->describe(), setup.problem.initial->describe(),
-                    setup.problem.shell ? setup.problem.containment : 0.0, setup.config.training.band,
-                    setup.problem.workspace};
+                    setup.problem.workspace_margin ? setup.problem.containment : 0.0,
+                    setup.config.training.level_band, setup.problem.workspace};
   return record;
 }
 
-TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks& hooks) {
+TrainerSummary train(const PreparedRun& setup, RunRecord& record, const TrainingHooks& hooks) {
   const Config& config = setup.config;
   Trainer trainer(setup.problem, setup.train(), config.networks, config.training, config.seed);
   const FalsifierOptions search{config.training.samples, config.training.pool_additions};
@@ -212,11 +212,12 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
     if (setup.problem.dimension() > 2)
       quick.max_boxes = quick.max_after_refuted = config.verification.proof.max_boxes;
     trainer.add_source(std::make_shared<ProofSource>(quick, config.training.pool_additions));
-    trainer.add_source(
-        std::make_shared<Float32Source>(config.verification.disturbance, config.training.pool_additions));
+    trainer.add_source(std::make_shared<DisturbanceFalsifier>(config.verification.disturbance,
+                                                              config.training.pool_additions));
   }
-  trainer.set_rollout_labels(
-      [&](const LayerStack& f, const Points& starts) { return rollout_is_safe(f, setup.problem, starts); });
+  trainer.set_rollout_labels([&](const NetworkWeights& f, const Points& starts) {
+    return rollout_is_safe(f, setup.problem, starts);
+  });
   if (record.checkpoint) trainer.restore(to_trainer_state(record));
   trainer.on_round([&](const RoundSummary& row, const Trainer& current) {
     store_trainer_state(current.state(), record);
@@ -232,11 +233,11 @@ TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks&
   set_timing(record, "training", summary.seconds);
   record.certificate = {};
   record.certificate.weight_hash = weight_hash(record.networks);
-  record.certificate.band = config.training.band;
+  record.certificate.level_band = config.training.level_band;
   return summary;
 }
 
-void verify(const Setup& setup, RunRecord& record, const std::string& method,
+void verify(const PreparedRun& setup, RunRecord& record, const std::string& method,
             const VerificationOptions& options, const ProofProgress& progress) {
   const Stopwatch watch;
   Certificate& certificate = record.certificate;
@@ -246,12 +247,13 @@ void verify(const Setup& setup, RunRecord& record, const std::string& method,
           certificate.weight_hash, hash);
     certificate.weight_hash = hash;
   }
-  certificate.band = setup.config.training.band;
+  certificate.level_band = setup.config.training.level_band;
   std::vector<ConditionVerdict> verdicts;
   if (method == "sampled") {
-    verdicts = verify_sampled(record.networks, setup.problem, certificate.band, options.sampled, record.seed);
+    verdicts =
+        verify_sampled(record.networks, setup.problem, certificate.level_band, options.sampled, record.seed);
   } else if (method == "conformal") {
-    verdicts = verify_conformal(record.networks, setup.problem, certificate.band, options.conformal,
+    verdicts = verify_conformal(record.networks, setup.problem, certificate.level_band, options.conformal,
                                 record.seed, certificate.attempts + 1);
     ++certificate.attempts;
   } else {
@@ -267,7 +269,7 @@ void verify(const Setup& setup, RunRecord& record, const std::string& method,
   set_timing(record, "verification_" + method, watch.seconds());
 }
 
-void evaluate(const Setup& setup, RunRecord& record) {
+void evaluate(const PreparedRun& setup, RunRecord& record) {
   const Stopwatch watch;
   const Networks& networks = record.networks;
   const RolloutOptions& rollout = setup.config.evaluation.rollout;
@@ -308,7 +310,7 @@ std::string proof_statement(const RunRecord& record) {
       "(rounding of the proof itself is covered): V > 0 and V decreases along motions everywhere but at the "
       "goal, B <= 0 on the "
       "initial set, B > 0 on the unsafe set{}, and B decreases where |B| <= {}. ",
-      record.problem.containment > 0 ? " and on the workspace's outer shell" : "", number(c.band));
+      record.problem.containment > 0 ? " and on the workspace's outer margin" : "", number(c.level_band));
   if (c.guarantee != "invariant") {
     return text +
            "It is not proved that {B <= 0} lies inside the workspace, so a motion is covered only while it "
@@ -363,7 +365,8 @@ std::string sample_statement(const RunRecord& record) {
       "time; a violation on a "
       "smaller set is not excluded, so it does not prove that every motion is safe.",
       number(confidence), attempt, samples, record.seed, number(epsilon),
-      record.problem.containment > 0 ? " and on the workspace's outer shell" : "", number(certificate.band));
+      record.problem.containment > 0 ? " and on the workspace's outer margin" : "",
+      number(certificate.level_band));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace s2nnds {
 // together.
 
 // A configuration made concrete: data read, normalised and split, the sets built and checked.
-struct Setup {
+struct PreparedRun {
   Config config;
   DemonstrationSet raw;
   Normalization normalization;
@@ -26,12 +26,12 @@ struct Setup {
   std::vector<Demonstration> validation() const { return select(demonstrations, split.validation); }
 };
 // Throws Error for whatever is wrong with the data or the sets.
-Setup set_up(const Config& config, const std::string& data_dir);
+PreparedRun prepare(const Config& config, const std::string& data_dir);
 // The sets of a stored run, from its own configuration and demonstrations.
-Setup set_up(const RunRecord& record, const std::string& data_dir);
+PreparedRun prepare(const RunRecord& record, const std::string& data_dir);
 
 // A record with all that is known before training. `text` is the configuration as the user gave it.
-RunRecord new_record(const Setup& setup, const std::string& text);
+RunRecord new_record(const PreparedRun& setup, const std::string& text);
 
 struct TrainingHooks {
   std::function<void(const RoundSummary&)> progress;  // after the warm start and every round
@@ -39,16 +39,16 @@ struct TrainingHooks {
 };
 // Trains from where the record's checkpoint stands (from the start if it has none) and fills in networks,
 // history and checkpoint. Returns whether the last round ended clean.
-TrainerSummary train(const Setup& setup, RunRecord& record, const TrainingHooks& hooks);
+TrainerSummary train(const PreparedRun& setup, RunRecord& record, const TrainingHooks& hooks);
 
 // Verifies the record's networks by "sampled", "conformal" or "proof" and updates its certificate: the
 // guarantee is the strongest one that these weights have passed. Each conformal call is a further attempt,
 // which spends its share of beta. `progress` hears of the proof's levels.
-void verify(const Setup& setup, RunRecord& record, const std::string& method,
+void verify(const PreparedRun& setup, RunRecord& record, const std::string& method,
             const VerificationOptions& options, const ProofProgress& progress = nullptr);
 
 // Fills in errors, areas, the rollouts from the demonstrations' first points, and the grid for figures.
-void evaluate(const Setup& setup, RunRecord& record);
+void evaluate(const PreparedRun& setup, RunRecord& record);
 
 // One JSON object: name, seed, guarantee, conditions{}, seconds{}, mse_train, mse_test, sd_test, safe_area,
 // true_safe_area, run, and more. Numbers that were not measured are null.

@@ -15,7 +15,7 @@ std::string hash_of_motion(const Networks& networks) { return weight_hash({netwo
 
 }  // namespace
 
-Counterexamples ProofSource::find(const Networks& networks, const SafetyProblem& problem, double band,
+Counterexamples ProofSource::find(const Networks& networks, const SafetyProblem& problem, double level_band,
                                   std::uint64_t seed, std::int64_t round) {
   const ProofFunctions functions = ProofFunctions::of(networks);
   RandomStream random(seed, "proof source", round);
@@ -24,7 +24,7 @@ Counterexamples ProofSource::find(const Networks& networks, const SafetyProblem&
     if (condition == Condition::lyapunov_decrease) {
       if (found.total() > 0 || decreasing_ == hash_of_motion(networks)) continue;
     }
-    const ConditionProof proof = prove_condition(condition, functions, problem, band, options_);
+    const ConditionProof proof = prove_condition(condition, functions, problem, level_band, options_);
     const auto q = static_cast<std::size_t>(condition);
     found.points[q] = proof.samples(static_cast<std::size_t>(keep_), random);
     found.counts[q] = proof.is_proved() ? 0 : std::max<std::int64_t>(1, proof.verdict.open_boxes);

@@ -15,7 +15,7 @@ class ProofSource : public CounterexampleSource {
   ProofSource(const ProofOptions& options, std::int64_t keep) : options_(options), keep_(keep) {}
   std::string name() const override { return "proof"; }
   bool only_when_clean() const override { return true; }
-  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
+  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;
 
  private:

@@ -55,7 +55,7 @@ void check_data(const RunData& data) {
   }
 }
 
-void check_network(const std::string& name, const LayerStack& network, Eigen::Index inputs,
+void check_network(const std::string& name, const NetworkWeights& network, Eigen::Index inputs,
                    Eigen::Index outputs) {
   try {
     network.check();
@@ -146,7 +146,7 @@ void write(Hdf5Writer& file, const RunProblem& problem) {
   file.write_attribute("/problem", "unsafe", problem.unsafe);
   file.write_attribute("/problem", "initial", problem.initial);
   file.write_attribute("/problem", "containment", problem.containment);
-  file.write_attribute("/problem", "band", problem.band);
+  file.write_attribute("/problem", "level_band", problem.level_band);
   file.write("/problem/workspace_lower", problem.workspace.lower);
   file.write("/problem/workspace_upper", problem.workspace.upper);
 }
@@ -156,13 +156,13 @@ RunProblem read_problem(const Hdf5Reader& file) {
   problem.unsafe = file.text_attribute("/problem", "unsafe");
   problem.initial = file.text_attribute("/problem", "initial");
   problem.containment = file.number_attribute("/problem", "containment");
-  problem.band = file.number_attribute("/problem", "band");
+  problem.level_band = file.number_attribute("/problem", "level_band");
   problem.workspace = {.lower = file.read_vector("/problem/workspace_lower"),
                        .upper = file.read_vector("/problem/workspace_upper")};
   return problem;
 }
 
-void write_network(Hdf5Writer& file, const std::string& group, const LayerStack& network) {
+void write_network(Hdf5Writer& file, const std::string& group, const NetworkWeights& network) {
   file.write_attribute(group, "head", std::string(to_string(network.head)));
   file.write_attribute(group, "quadratic", network.quadratic);
   file.write_attribute(group, "layers", static_cast<std::int64_t>(network.layers.size()));
@@ -174,8 +174,8 @@ void write_network(Hdf5Writer& file, const std::string& group, const LayerStack&
   }
 }
 
-LayerStack read_network(const Hdf5Reader& file, const std::string& group) {
-  LayerStack network;
+NetworkWeights read_network(const Hdf5Reader& file, const std::string& group) {
+  NetworkWeights network;
   network.quadratic = file.number_attribute(group, "quadratic");
   const std::int64_t layers = file.integer_attribute(group, "layers");
   try {

@@ -10,7 +10,7 @@
 #include "s2nnds/core/options.h"
 #include "s2nnds/core/points.h"
 #include "s2nnds/data/normalization.h"
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/box.h"
 #include "s2nnds/verification/certificate.h"
 
@@ -42,7 +42,7 @@ struct RunProblem {
   std::string unsafe;  // Region::describe()
   std::string initial;
   double containment = 0.0;  // 0: off
-  double band = 0.0;         // eps_B
+  double level_band = 0.0;   // eps_B
   Box workspace;
 };
 

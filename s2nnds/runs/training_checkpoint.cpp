@@ -24,10 +24,10 @@ std::vector<Column> columns() {
                              column("loss", &RoundSummary::loss),
                              column("mse", &RoundSummary::mse),
                              column("lyapunov", &RoundSummary::lyapunov),
-                             column("separation", &RoundSummary::separation),
-                             column("band", &RoundSummary::band),
-                             column("labels", &RoundSummary::labels),
-                             column("deflection", &RoundSummary::deflection)};
+                             column("barrier_sets", &RoundSummary::barrier_sets),
+                             column("barrier_decrease", &RoundSummary::barrier_decrease),
+                             column("rollout_safety", &RoundSummary::rollout_safety),
+                             column("obstacle_normal", &RoundSummary::obstacle_normal)};
   for (std::size_t q = 0; q < all_conditions.size(); ++q) {
     all.push_back(
         {fmt::format("count_{}", to_string(all_conditions[q])),

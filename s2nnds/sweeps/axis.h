@@ -30,7 +30,7 @@ struct Axis {
 };
 
 // The table `axes` of a sweep's file, in the order of its lines:
-//   "training.loss.kappa" = [0.05, 0.1, 0.2]
+//   "training.loss.decay_rate" = [0.05, 0.1, 0.2]
 //   "training.rate_f" = { log_range = [1e-4, 1e-2], count = 5 }
 //   "networks.f.hidden" = { values = [[32, 32], [64, 64]], also = ["networks.V.hidden"] }
 // Throws Error with source, line, what was found and what was expected.

@@ -9,7 +9,7 @@ void continue_run(const std::string& earlier, const std::string& text, const std
                   const std::string& data_dir, const std::string& path) {
   RunRecord old = load_run(earlier);
   check(old.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from", earlier);
-  const Setup setup = set_up(parse_config(text, source), data_dir);
+  const PreparedRun setup = prepare(parse_config(text, source), data_dir);
   RunRecord record = new_record(setup, text);
   record.networks = std::move(old.networks);
   record.history = std::move(old.history);

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
-#include "s2nnds/core/whole_file.h"
 
 namespace s2nnds {
 namespace {
@@ -59,7 +59,7 @@ void freeze_file(const std::string& folder, const std::string& path, const std::
           "more points (or choose another --out)",
           path, folder);
   }
-  write_whole_file(path, text, "the sweep");
+  write_atomic_file(path, text, "the sweep");
 }
 
 }  // namespace

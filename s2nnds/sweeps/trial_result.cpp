@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "s2nnds/core/whole_file.h"
+#include "s2nnds/core/atomic_file.h"
 
 namespace s2nnds {
 namespace {
@@ -47,8 +47,8 @@ void write_result(const std::string& path, const TrialResult& result) {
   json["seconds"] = result.seconds;
   json["metrics"] = ordered_json::object();
   for (const auto& [name, value] : result.metrics) json["metrics"][name] = value;
-  write_whole_file(path, json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n",
-                   "the result");
+  write_atomic_file(path, json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n",
+                    "the result");
 }
 
 std::optional<TrialResult> read_result(const std::string& path) {

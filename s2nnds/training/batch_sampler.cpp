@@ -81,12 +81,12 @@ void append(Points& pool, const Points& more, std::int64_t additions, std::int64
 }  // namespace
 
 BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
-                           const BatchOptions& options, double keep_clear)
+                           const BatchOptions& options, double obstacle_margin)
     : problem_(problem),
       options_(options),
       initial_(sampler_of(problem.initial, problem.workspace)),
       unsafe_(sampler_of(problem.unsafe, problem.workspace)),
-      shell_(sampler_of(problem.shell, problem.workspace)) {
+      workspace_margin_(sampler_of(problem.workspace_margin, problem.workspace)) {
   check(options.share_counterexamples + options.share_band + options.share_goal <= 1.0,
         "training.batch: the shares add up to {}, expected at most 1",
         options.share_counterexamples + options.share_band + options.share_goal);
@@ -97,16 +97,18 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
     // A demonstration through the obstacle must be bent away from it, which takes room; but deep inside,
     // where no safe motion comes, f may follow it.
     const bool meets = problem.unsafe->level(demonstration.position).minCoeff() <= 0.0;
-    const Vector near = Vector::Constant(problem.dimension(), keep_clear), reach = (meets ? 2.0 : 1.0) * near;
+    const Vector near = Vector::Constant(problem.dimension(), obstacle_margin),
+                 reach = (meets ? 2.0 : 1.0) * near;
     for (Eigen::Index k = 0; k < demonstration.samples(); ++k, ++i) {
       const Vector x = position.row(i);
-      if (keep_clear == 0.0 || problem.unsafe->classify({x - near, x + near}) == Location::inside ||
+      if (obstacle_margin == 0.0 || problem.unsafe->classify({x - near, x + near}) == Location::inside ||
           !may_meet(*problem.unsafe, {x - reach, x + reach}, 8))
         kept.push_back(i);
     }
   }
-  check(!kept.empty(), "training: every demonstration sample lies within keep_clear = {} of the unsafe set",
-        keep_clear);
+  check(!kept.empty(),
+        "training: every demonstration sample lies within obstacle_margin = {} of the unsafe set",
+        obstacle_margin);
   left_out_ = position.rows() - static_cast<std::int64_t>(kept.size());
   position_ = position(kept, Eigen::all);
   velocity_ = velocity(kept, Eigen::all);
@@ -118,8 +120,8 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
   }
   const Points none(0, problem.dimension());
   pools_ = {none, none, none};
-  repairs_ = {none, none, none};
-  near_band_ = safe_ = doomed_ = none;
+  backtracked_ = {none, none, none};
+  near_band_ = safe_ = unsafe_rollouts_ = none;
 }
 
 Points BatchSampler::uniform(std::int64_t count, RandomStream& random) const {
@@ -148,7 +150,7 @@ Points BatchSampler::draw_workspace(RandomStream& random) const {
 
 Batch BatchSampler::draw(RandomStream& random) const {
   const Eigen::Index n = problem_.dimension();
-  const Eigen::Index corrections = repairs_.position.rows() > 0 ? options_.corrections : 0;
+  const Eigen::Index corrections = backtracked_.position.rows() > 0 ? options_.corrections : 0;
   Batch batch;
   batch.position.resize(options_.demonstrations + corrections, n);
   batch.velocity.resize(options_.demonstrations + corrections, n);
@@ -160,9 +162,9 @@ Batch BatchSampler::draw(RandomStream& random) const {
     batch.position.row(i) += displacement(velocity_.row(sample), jitter_[sample], random).transpose();
   }
   for (Eigen::Index i = options_.demonstrations; i < batch.position.rows(); ++i) {
-    const std::size_t chosen = random.below(repairs_.position.rows());
-    batch.position.row(i) = repairs_.position.row(chosen);
-    batch.velocity.row(i) = repairs_.velocity.row(chosen);
+    const std::size_t chosen = random.below(backtracked_.position.rows());
+    batch.position.row(i) = backtracked_.position.row(chosen);
+    batch.velocity.row(i) = backtracked_.velocity.row(chosen);
   }
   batch.workspace = draw_workspace(random);
   const auto region = [&](const std::optional<RegionSampler>& sampler, const Points& pool,
@@ -177,14 +179,14 @@ Batch BatchSampler::draw(RandomStream& random) const {
   };
   batch.initial = region(initial_, pools_.initial, options_.initial);
   const Points obstacle = region(unsafe_, pools_.unsafe, options_.unsafe);
-  const Points shell = region(shell_, pools_.unsafe, options_.shell);
-  batch.unsafe.resize(obstacle.rows() + shell.rows(), n);
-  batch.unsafe << obstacle, shell;
+  const Points margin = region(workspace_margin_, pools_.unsafe, options_.workspace_margin);
+  batch.unsafe.resize(obstacle.rows() + margin.rows(), n);
+  batch.unsafe << obstacle, margin;
   batch.safe = some(safe_, options_.labels / 2, n, random);
-  const Points ending = some(doomed_, options_.labels / 2, n, random),
-               upstream = some(repairs_.upstream, options_.upstream, n, random);
-  batch.doomed.resize(ending.rows() + upstream.rows(), n);
-  batch.doomed << ending, upstream;
+  const Points ending = some(unsafe_rollouts_, options_.labels / 2, n, random),
+               upstream = some(backtracked_.upstream, options_.upstream, n, random);
+  batch.unsafe_rollouts.resize(ending.rows() + upstream.rows(), n);
+  batch.unsafe_rollouts << ending, upstream;
   batch.boundary.resize(boundary_.point.rows() > 0 ? options_.boundary : 0, n);
   batch.normal.resize(batch.boundary.rows(), n);
   for (Eigen::Index i = 0; i < batch.boundary.rows(); ++i) {
@@ -205,9 +207,9 @@ void BatchSampler::add(const Counterexamples& found, std::int64_t additions, std
   }
 }
 
-void BatchSampler::set_labels(Points safe, Points doomed) {
+void BatchSampler::set_labels(Points safe, Points unsafe_rollouts) {
   safe_ = std::move(safe);
-  doomed_ = std::move(doomed);
+  unsafe_rollouts_ = std::move(unsafe_rollouts);
 }
 
 }  // namespace s2nnds

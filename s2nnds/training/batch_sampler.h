@@ -5,8 +5,8 @@
 #include "s2nnds/data/demonstration.h"
 #include "s2nnds/problem/boundary_points.h"
 #include "s2nnds/problem/region_sampler.h"
+#include "s2nnds/training/backtrack.h"
 #include "s2nnds/training/counterexample.h"
-#include "s2nnds/training/repair.h"
 #include "s2nnds/training/trainer_options.h"
 
 namespace s2nnds {
@@ -16,9 +16,9 @@ struct Batch {
   Points position, velocity;  // of demonstrations and corrections
   Points workspace;
   Points initial;
-  Points unsafe;            // of Xu, the shell and the counterexamples of both
-  Points safe, doomed;      // labelled by rollouts, and upstream of violations
-  Points boundary, normal;  // of the obstacle, outwards
+  Points unsafe;                 // of Xu, the workspace margin and the counterexamples of both
+  Points safe, unsafe_rollouts;  // labelled by rollouts, and upstream of violations
+  Points boundary, normal;       // of the obstacle, outwards
 };
 
 // Counterexamples found so far: what a checkpoint keeps besides the networks.
@@ -30,18 +30,18 @@ struct CounterexamplePools {
 // handed to it.
 class BatchSampler {
  public:
-  // `keep_clear`: demonstration samples nearer to the unsafe set than this, per axis, are left out; twice as
+  // `obstacle_margin`: demonstration samples nearer to the unsafe set than this, per axis, are left out; twice as
   // near for demonstrations that pass through it, unless they lie within it by that much.
   BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
-               const BatchOptions& options, double keep_clear);
+               const BatchOptions& options, double obstacle_margin);
 
   Batch draw(RandomStream& random) const;
   Points uniform(std::int64_t count, RandomStream& random) const;  // in X: [count, n]
 
   void add(const Counterexamples& found, std::int64_t additions, std::int64_t capacity);
   void set_near_band(Points points) { near_band_ = std::move(points); }
-  void set_labels(Points safe, Points doomed);
-  void set_repairs(Repairs repairs) { repairs_ = std::move(repairs); }
+  void set_labels(Points safe, Points unsafe_rollouts);
+  void set_backtracked(Backtracked backtracked) { backtracked_ = std::move(backtracked); }
 
   const CounterexamplePools& pools() const { return pools_; }
   void set_pools(CounterexamplePools pools) { pools_ = std::move(pools); }
@@ -58,10 +58,10 @@ class BatchSampler {
   Points position_, velocity_;
   Vector jitter_;
   std::int64_t left_out_ = 0;
-  std::optional<RegionSampler> initial_, unsafe_, shell_;
+  std::optional<RegionSampler> initial_, unsafe_, workspace_margin_;
   CounterexamplePools pools_;
-  Points near_band_, safe_, doomed_;
-  Repairs repairs_;
+  Points near_band_, safe_, unsafe_rollouts_;
+  Backtracked backtracked_;
   BoundaryPoints boundary_;
 };
 

@@ -27,7 +27,7 @@ class CounterexampleSource {
   virtual ~CounterexampleSource() = default;
   virtual std::string name() const = 0;
   // `round` names the random streams, so that a resumed run sees what an unbroken one would.
-  virtual Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
+  virtual Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                                std::uint64_t seed, std::int64_t round) = 0;
   // Asked only when all sources before it found nothing in a round that could be the last (a proof costs more
   // than samples).

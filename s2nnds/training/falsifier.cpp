@@ -9,7 +9,7 @@ namespace {
 
 std::vector<RegionSampler> sample_regions(const SafetyProblem& problem) {
   std::vector<RegionSampler> samplers;
-  for (const RegionPtr& region : {problem.initial, problem.unsafe, problem.shell}) {
+  for (const RegionPtr& region : {problem.initial, problem.unsafe, problem.workspace_margin}) {
     if (auto sampler = sampler_of(region, problem.workspace)) samplers.push_back(std::move(*sampler));
   }
   return samplers;
@@ -72,12 +72,12 @@ std::int64_t Counterexamples::total() const {
 RandomFalsifier::RandomFalsifier(const SafetyProblem& problem, const FalsifierOptions& options)
     : options_(options), samplers_(sample_regions(problem)) {}
 
-Counterexamples RandomFalsifier::find(const Networks& networks, const SafetyProblem& problem, double band,
-                                      std::uint64_t seed, std::int64_t round) {
+Counterexamples RandomFalsifier::find(const Networks& networks, const SafetyProblem& problem,
+                                      double level_band, std::uint64_t seed, std::int64_t round) {
   RandomStream random(seed, "falsifier/random", round);
   const Points x = all_samples(problem, samplers_, options_.samples, random);
   // In single precision: whoever calls a run verified has looked again in double.
-  return violators(x, residuals(networks, problem, band, x, Precision::single_), options_.keep);
+  return violators(x, residuals(networks, problem, level_band, x, Precision::single_), options_.keep);
 }
 
 LocalSearchFalsifier::LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options,
@@ -85,10 +85,10 @@ LocalSearchFalsifier::LocalSearchFalsifier(const SafetyProblem& problem, const F
     : options_(options), samplers_(sample_regions(problem)), starts_(starts), steps_(steps) {}
 
 Counterexamples LocalSearchFalsifier::find(const Networks& networks, const SafetyProblem& problem,
-                                           double band, std::uint64_t seed, std::int64_t round) {
+                                           double level_band, std::uint64_t seed, std::int64_t round) {
   RandomStream random(seed, "falsifier/local search", round);
   const Points x = all_samples(problem, samplers_, options_.samples / 10, random);
-  const Points residual = residuals(networks, problem, band, x);
+  const Points residual = residuals(networks, problem, level_band, x);
   Counterexamples found;
   for (Eigen::Index q = 0; q < condition_count; ++q) {
     std::vector<Eigen::Index> applicable;
@@ -112,7 +112,7 @@ Counterexamples LocalSearchFalsifier::find(const Networks& networks, const Safet
                                    problem.workspace.upper[k]);
         }
       }
-      const Points climbed = residuals(networks, problem, band, trial);
+      const Points climbed = residuals(networks, problem, level_band, trial);
       for (Eigen::Index i = 0; i < trial.rows(); ++i) {
         if (climbed(i, q) > value[i]) {
           best.row(i) = trial.row(i);

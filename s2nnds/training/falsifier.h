@@ -6,7 +6,7 @@
 namespace s2nnds {
 
 struct FalsifierOptions {
-  std::int64_t samples = 200000;  // uniform in X; a tenth as many each in X0, Xu and the shell
+  std::int64_t samples = 200000;  // uniform in X; a tenth as many each in X0, Xu and the workspace margin
   std::int64_t keep = 500;        // worst violators of each condition that are handed on
 };
 
@@ -15,12 +15,12 @@ class RandomFalsifier : public CounterexampleSource {
  public:
   RandomFalsifier(const SafetyProblem& problem, const FalsifierOptions& options);
   std::string name() const override { return "random"; }
-  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
+  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;
 
  private:
   FalsifierOptions options_;
-  std::vector<RegionSampler> samplers_;  // of X0, Xu and the shell, where there are any
+  std::vector<RegionSampler> samplers_;  // of X0, Xu and the workspace margin, where there are any
 };
 
 // Starts from the points nearest to violating each condition and climbs the residual by random steps of
@@ -30,7 +30,7 @@ class LocalSearchFalsifier : public CounterexampleSource {
   LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options, int starts = 200,
                        int steps = 20);
   std::string name() const override { return "local search"; }
-  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
+  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;
 
  private:

@@ -24,15 +24,15 @@ class Differentiated : public torch::autograd::Function<Differentiated> {
   }
 };
 
-NetworkShape shape_of(const Mlp& network, const LayerStack& snapshot) {
+NetworkShape shape_of(const Mlp& network, const NetworkWeights& snapshot) {
   return {network->shapes(), snapshot.head, snapshot.quadratic};
 }
 
 template <typename T>
-std::unique_ptr<JointSweep<T>> sweep_of(const Modules& m, const LossOptions& options, Trains trains) {
-  return std::make_unique<JointSweep<T>>(shape_of(m.f->network, m.f->snapshot()),
-                                         shape_of(m.V->network, m.V->snapshot()),
-                                         shape_of(m.B->network, m.B->snapshot()), options, trains);
+std::unique_ptr<FusedLoss<T>> sweep_of(const Modules& m, const LossOptions& options, Trains trains) {
+  return std::make_unique<FusedLoss<T>>(shape_of(m.f->network, m.f->snapshot()),
+                                        shape_of(m.V->network, m.V->snapshot()),
+                                        shape_of(m.B->network, m.B->snapshot()), options, trains);
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ LossTerms JointLoss::operator()(const BatchTensors& batch) {
 }
 
 template <typename T>
-LossTerms JointLoss::run(JointSweep<T>& sweep, const BatchTensors& batch) {
+LossTerms JointLoss::run(FusedLoss<T>& sweep, const BatchTensors& batch) {
   const torch::Tensor f = networks_.f->network->theta, V = networks_.V->network->theta,
                       B = networks_.B->network->theta;
   std::vector<torch::Tensor> kept;  // contiguous copies, where there had to be any
@@ -67,9 +67,9 @@ LossTerms JointLoss::run(JointSweep<T>& sweep, const BatchTensors& batch) {
     kept.push_back(x.contiguous());
     return {kept.back().data_ptr<T>(), x.size(0)};
   };
-  const BatchView<T> views{view(batch.position), view(batch.velocity), view(batch.workspace),
-                           view(batch.initial),  view(batch.unsafe),   view(batch.safe),
-                           view(batch.doomed),   view(batch.boundary), view(batch.normal)};
+  const BatchView<T> views{view(batch.position),        view(batch.velocity), view(batch.workspace),
+                           view(batch.initial),         view(batch.unsafe),   view(batch.safe),
+                           view(batch.unsafe_rollouts), view(batch.boundary), view(batch.normal)};
   check(views.position.count == views.velocity.count, "joint loss: found {} positions and {} velocities",
         views.position.count, views.velocity.count);
   check(views.boundary.count == views.normal.count, "joint loss: found {} boundary points and {} normals",
@@ -83,15 +83,15 @@ LossTerms JointLoss::run(JointSweep<T>& sweep, const BatchTensors& batch) {
   };
   LossTerms terms{scalar(sums.mse),
                   scalar(sums.lyapunov),
-                  scalar(sums.separation),
-                  scalar(sums.band),
-                  scalar(sums.labels),
-                  scalar(sums.deflection),
+                  scalar(sums.barrier_sets),
+                  scalar(sums.barrier_decrease),
+                  scalar(sums.rollout_safety),
+                  scalar(sums.obstacle_normal),
                   {}};
-  terms.total = Differentiated::apply(
-      f, V, B,
-      options_.mse * sums.mse + sums.lyapunov + sums.separation + sums.band + sums.labels + sums.deflection,
-      gradients);
+  terms.total = Differentiated::apply(f, V, B,
+                                      options_.imitation * sums.mse + sums.lyapunov + sums.barrier_sets +
+                                          sums.barrier_decrease + sums.rollout_safety + sums.obstacle_normal,
+                                      gradients);
   return terms;
 }
 

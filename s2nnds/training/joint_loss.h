@@ -4,13 +4,13 @@
 
 #include <memory>
 
-#include "s2nnds/training/joint_sweep.h"
+#include "s2nnds/training/fused_loss.h"
 #include "s2nnds/training/losses.h"
 
 namespace s2nnds {
 
 // The loss of LossOptions of three networks, again and again: joint_loss of losses.h where the networks'
-// engine is autograd, one JointSweep where it is fused. The networks keep their identity: their weights may
+// engine is autograd, one FusedLoss where it is fused. The networks keep their identity: their weights may
 // change between calls, the modules may not.
 class JointLoss {
  public:
@@ -22,12 +22,12 @@ class JointLoss {
 
  private:
   template <typename T>
-  LossTerms run(JointSweep<T>& sweep, const BatchTensors& batch);
+  LossTerms run(FusedLoss<T>& sweep, const BatchTensors& batch);
 
   Modules networks_;
   LossOptions options_;
-  std::unique_ptr<JointSweep<float>> float_sweep_;
-  std::unique_ptr<JointSweep<double>> double_sweep_;
+  std::unique_ptr<FusedLoss<float>> float_sweep_;
+  std::unique_ptr<FusedLoss<double>> double_sweep_;
 };
 
 }  // namespace s2nnds

@@ -24,7 +24,7 @@ double highest_free(double high, double distance, std::vector<double> values) {
 
 LevelChoice::LevelChoice(const SafetyProblem& problem, const LevelOptions& options)
     : workspace_(problem.workspace), options_(options), initial_(sampler_of(problem.initial, workspace_)) {
-  for (const RegionPtr& region : {problem.unsafe, problem.shell}) {
+  for (const RegionPtr& region : {problem.unsafe, problem.workspace_margin}) {
     if (auto sampler = sampler_of(region, workspace_)) outside_.push_back(std::move(*sampler));
   }
 }
@@ -46,7 +46,7 @@ std::optional<double> LevelChoice::largest(const Networks& networks, RandomStrea
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     if (!(derivative(i, 0) <= -options_.slack_decrease)) forbidden.push_back(value(i, 0));
   }
-  const double c = highest_free(high, 1.5 * options_.band, std::move(forbidden));
+  const double c = highest_free(high, 1.5 * options_.level_band, std::move(forbidden));
   if (!(low <= c)) return std::nullopt;
   return c;
 }

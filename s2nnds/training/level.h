@@ -10,11 +10,11 @@
 namespace s2nnds {
 
 struct LevelOptions {
-  std::int64_t samples = 50000;  // uniform in X; two fifths as many each in X0, Xu and the shell
-  double band = 0.01;            // eps_B
+  std::int64_t samples = 50000;  // uniform in X; two fifths as many each in X0, Xu and the workspace margin
+  double level_band = 0.01;      // eps_B
   double reach = 0.1;            // |c| at most
   double slack = 0.005;          // X0 and Xu must keep this far (in B) from {B = c}
-  double slack_decrease = 0.03;  // where |B - c| <= 1.5 band, Bdot <= -slack_decrease
+  double slack_decrease = 0.03;  // where |B - c| <= 1.5 level_band, Bdot <= -slack_decrease
 };
 
 // Which level set of B to call {B = 0}. The conditions on B speak of one level set only, and what training
@@ -31,7 +31,7 @@ class LevelChoice {
   Box workspace_;
   LevelOptions options_;
   std::optional<RegionSampler> initial_;
-  std::vector<RegionSampler> outside_;  // Xu and the shell
+  std::vector<RegionSampler> outside_;  // Xu and the workspace margin
 };
 
 }  // namespace s2nnds

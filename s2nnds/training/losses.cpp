@@ -7,10 +7,10 @@ namespace {
 
 // What the loss is made of: the networks on the batch, f in one pass and B's values in one pass.
 struct Outputs {
-  torch::Tensor velocity;                       // f on the demonstrations
-  LieDerivative V, B;                           // on the workspace samples
-  torch::Tensor initial, unsafe, safe, doomed;  // B there; undefined where there are none
-  torch::Tensor leaving;                        // n.f on the obstacle's boundary; undefined without one
+  torch::Tensor velocity;                                // f on the demonstrations
+  LieDerivative V, B;                                    // on the workspace samples
+  torch::Tensor initial, unsafe, safe, unsafe_rollouts;  // B there; undefined where there are none
+  torch::Tensor leaving;  // n.f on the obstacle's boundary; undefined without one
 };
 
 Outputs evaluate(Modules& networks, const BatchTensors& batch) {
@@ -35,7 +35,7 @@ Outputs evaluate(Modules& networks, const BatchTensors& batch) {
   ask(batch.initial, out.initial);
   ask(batch.unsafe, out.unsafe);
   ask(batch.safe, out.safe);
-  ask(batch.doomed, out.doomed);
+  ask(batch.unsafe_rollouts, out.unsafe_rollouts);
   if (points.empty()) return out;
   const torch::Tensor values = networks.B(torch::cat(points));
   std::int64_t at = 0;
@@ -57,7 +57,7 @@ torch::Tensor mean_penalty(const torch::Tensor& values, const torch::Tensor& lik
 
 void robust_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
   const torch::Tensor& like = out.velocity;
-  const torch::Tensor q = out.V.derivative / (out.V.value + 1e-6) + o.kappa;
+  const torch::Tensor q = out.V.derivative / (out.V.value + 1e-6) + o.decay_rate;
   terms.lyapunov = o.lyapunov * torch::log1p(torch::relu(q)).mean();
   const auto below = [&](double margin) {
     return [=](const torch::Tensor& b) { return torch::relu(b + margin); };
@@ -65,13 +65,16 @@ void robust_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
   const auto above_zero = [&](double margin) {
     return [=](const torch::Tensor& b) { return torch::relu(margin - b); };
   };
-  terms.separation = o.separation * (mean_penalty(out.initial, like, below(o.margin_initial)) +
-                                     mean_penalty(out.unsafe, like, above_zero(o.margin_unsafe)));
+  terms.barrier_sets = o.barrier_sets * (mean_penalty(out.initial, like, below(o.margin_initial)) +
+                                         mean_penalty(out.unsafe, like, above_zero(o.margin_unsafe)));
   const torch::Tensor weight = torch::exp(-(out.B.value.detach() / o.band_width).square());
-  terms.band = o.band * (weight * torch::relu(out.B.derivative + o.margin_band)).mean();
-  terms.labels = o.labels * (mean_penalty(out.safe, like, below(o.margin_label)) +
-                             mean_penalty(out.doomed, like, above_zero(o.margin_label)));
-  terms.deflection = o.deflection * mean_penalty(out.leaving, like, above_zero(o.margin_deflection));
+  terms.barrier_decrease =
+      o.barrier_decrease * (weight * torch::relu(out.B.derivative + o.margin_barrier_decrease)).mean();
+  terms.rollout_safety =
+      o.rollout_safety * (mean_penalty(out.safe, like, below(o.margin_rollout_safety)) +
+                          mean_penalty(out.unsafe_rollouts, like, above_zero(o.margin_rollout_safety)));
+  terms.obstacle_normal =
+      o.obstacle_normal * mean_penalty(out.leaving, like, above_zero(o.margin_obstacle_normal));
 }
 
 void paper_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
@@ -80,12 +83,12 @@ void paper_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
   terms.lyapunov =
       o.lyapunov *
       (leaky(o.margin_positive - out.V.value) + leaky(out.V.derivative - o.margin_decrease)).mean();
-  terms.separation =
-      o.separation *
+  terms.barrier_sets =
+      o.barrier_sets *
       (mean_penalty(out.initial, like, [&](const torch::Tensor& b) { return leaky(b + o.margin_initial); }) +
        mean_penalty(out.unsafe, like, [&](const torch::Tensor& b) { return leaky(o.margin_unsafe - b); }));
-  terms.band = o.band * leaky(out.B.derivative - o.margin_band).mean();
-  terms.labels = terms.deflection = torch::zeros({}, like.options());
+  terms.barrier_decrease = o.barrier_decrease * leaky(out.B.derivative - o.margin_barrier_decrease).mean();
+  terms.rollout_safety = terms.obstacle_normal = torch::zeros({}, like.options());
 }
 
 }  // namespace
@@ -103,8 +106,8 @@ LossTerms joint_loss(Modules& networks, const BatchTensors& batch, const LossOpt
   } else {
     robust_terms(out, options, terms);
   }
-  terms.total = options.mse * terms.mse + terms.lyapunov + terms.separation + terms.band + terms.labels +
-                terms.deflection;
+  terms.total = options.imitation * terms.mse + terms.lyapunov + terms.barrier_sets + terms.barrier_decrease +
+                terms.rollout_safety + terms.obstacle_normal;
   return terms;
 }
 

@@ -18,17 +18,17 @@ struct Modules {
 
 // A training step's samples as tensors: [N, n] each; undefined where there are none.
 struct BatchTensors {
-  torch::Tensor position, velocity, workspace, initial, unsafe, safe, doomed, boundary, normal;
+  torch::Tensor position, velocity, workspace, initial, unsafe, safe, unsafe_rollouts, boundary, normal;
 };
 
 // The terms of a step's loss, each with its weight applied. Undefined terms do not apply.
 struct LossTerms {
   torch::Tensor mse;  // unweighted
   torch::Tensor lyapunov;
-  torch::Tensor separation;
-  torch::Tensor band;
-  torch::Tensor labels;
-  torch::Tensor deflection;
+  torch::Tensor barrier_sets;
+  torch::Tensor barrier_decrease;
+  torch::Tensor rollout_safety;
+  torch::Tensor obstacle_normal;
   torch::Tensor total;
 };
 

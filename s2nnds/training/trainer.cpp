@@ -49,17 +49,17 @@ std::vector<Demonstration> fitted_samples(const std::vector<Demonstration>& demo
   return all;
 }
 
-// Without a deflection no boundary points are drawn.
+// Without a obstacle_normal no boundary points are drawn.
 BatchOptions batch_options(const TrainerOptions& options) {
   BatchOptions batch = options.batch;
-  if (options.loss.deflection == 0.0) batch.boundary = 0;
+  if (options.loss.obstacle_normal == 0.0) batch.boundary = 0;
   return batch;
 }
 
 BatchTensors tensors(const Batch& batch) {
-  return {tensor(batch.position), tensor(batch.velocity), tensor(batch.workspace),
-          tensor(batch.initial),  tensor(batch.unsafe),   tensor(batch.safe),
-          tensor(batch.doomed),   tensor(batch.boundary), tensor(batch.normal)};
+  return {tensor(batch.position),        tensor(batch.velocity), tensor(batch.workspace),
+          tensor(batch.initial),         tensor(batch.unsafe),   tensor(batch.safe),
+          tensor(batch.unsafe_rollouts), tensor(batch.boundary), tensor(batch.normal)};
 }
 
 }  // namespace
@@ -77,8 +77,8 @@ class Trainer::Impl {
         options_(options),
         seed_(seed),
         sampler_(problem, fitted_samples(demonstrations, options, seed), batch_options(options),
-                 options.keep_clear),
-        level_(problem, {.band = options.band, .reach = options.level_reach}) {
+                 options.obstacle_margin),
+        level_(problem, {.level_band = options.level_band, .reach = options.max_level_shift}) {
     RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
     modules_.f = make_field(1);
     modules_.V = Lyapunov(problem.dimension(), networks.V, start_v);
@@ -120,8 +120,8 @@ class Trainer::Impl {
 
   bool finished() const {
     if (!had_clean_round()) return history_.back().round >= options_.rounds;
-    return next_stage() == Stage::growth &&
-           rounds_in(Stage::growth) >= (uses_labels() ? options_.growth_rounds : 0);
+    return next_stage() == Stage::enlarge &&
+           rounds_in(Stage::enlarge) >= (uses_labels() ? options_.enlarge_rounds : 0);
   }
 
   std::int64_t rounds_in(Stage stage) const {
@@ -131,7 +131,9 @@ class Trainer::Impl {
 
   Stage next_stage() const {
     if (!had_clean_round()) return Stage::search;
-    return rounds_in(Stage::polish) < options_.polish_rounds ? Stage::polish : Stage::growth;
+    return rounds_in(Stage::imitation_finetune) < options_.imitation_finetune_rounds
+               ? Stage::imitation_finetune
+               : Stage::enlarge;
   }
 
   bool had_clean_round() const {
@@ -195,7 +197,7 @@ class Trainer::Impl {
     const std::int64_t round = row.round = static_cast<std::int64_t>(history_.size());
     row.stage = next_stage();
     label(row);
-    seek_repairs(row.stage);
+    seek_backtracked(row.stage);
     if (row.stage == Stage::search && starts_anew(round) && options_.redraw_barrier) redraw_barrier(round);
     const RoundPlan plan = plan_of(round, row.stage);
     // Each round starts afresh, so that a checkpoint needs no optimiser state.
@@ -232,10 +234,10 @@ class Trainer::Impl {
       row.loss += share * terms.total.item<double>();
       row.mse += share * terms.mse.item<double>();
       row.lyapunov += share * terms.lyapunov.item<double>();
-      row.separation += share * terms.separation.item<double>();
-      row.band += share * terms.band.item<double>();
-      row.labels += share * terms.labels.item<double>();
-      row.deflection += share * terms.deflection.item<double>();
+      row.barrier_sets += share * terms.barrier_sets.item<double>();
+      row.barrier_decrease += share * terms.barrier_decrease.item<double>();
+      row.rollout_safety += share * terms.rollout_safety.item<double>();
+      row.obstacle_normal += share * terms.obstacle_normal.item<double>();
     }
     if (plan.only_barrier) row.mse = history_.back().mse;
     return row;
@@ -251,36 +253,36 @@ class Trainer::Impl {
   }
 
   RoundPlan plan_of(std::int64_t round, Stage stage) const {
-    if (stage == Stage::growth) return growth_plan();
-    if (stage == Stage::polish) return polish_plan();
+    if (stage == Stage::enlarge) return enlarge_plan();
+    if (stage == Stage::imitation_finetune) return imitation_finetune_plan();
     const auto age = static_cast<double>((round - 1) % options_.rate_period);
     RoundPlan plan = {false, std::max(options_.rate_floor, std::pow(options_.rate_decay, age)),
                       options_.loss};
     const auto restarts = static_cast<double>((round - 1) / options_.rate_period);
-    plan.loss.mse *= std::pow(options_.restart_mse, restarts);
-    plan.loss.labels *= std::pow(options_.restart_labels, restarts);
-    plan.loss.deflection *= std::pow(options_.restart_labels, restarts);
-    const std::int64_t mending = starts_anew(round) ? 0 : mending_round();
-    if (mending == 0) return plan;
-    plan.rate *= options_.mend_rate;
-    plan.loss.labels *= std::pow(options_.mend_labels, mending);
-    plan.loss.deflection *= std::pow(options_.mend_labels, mending);
-    plan.loss.band *= options_.mend_band;
+    plan.loss.imitation *= std::pow(options_.restart_mse, restarts);
+    plan.loss.rollout_safety *= std::pow(options_.restart_rollout_safety, restarts);
+    plan.loss.obstacle_normal *= std::pow(options_.restart_rollout_safety, restarts);
+    const std::int64_t refining = starts_anew(round) ? 0 : refine_round();
+    if (refining == 0) return plan;
+    plan.rate *= options_.refine_rate;
+    plan.loss.rollout_safety *= std::pow(options_.refine_labels, refining);
+    plan.loss.obstacle_normal *= std::pow(options_.refine_labels, refining);
+    plan.loss.barrier_decrease *= options_.refine_band;
     return plan;
   }
 
   // Which one in a row of rounds that mend the next round is; 0 if it does not mend. A row that ends without
   // success is followed by a round at full rates: what is left may lie in the shape of the functions.
-  std::int64_t mending_round() const {
+  std::int64_t refine_round() const {
     const auto other = std::find_if(history_.rbegin(), history_.rend(),
                                     [&](const RoundSummary& row) { return !nearly_clean(row); });
-    return std::distance(history_.rbegin(), other) % (options_.mend_rounds + 1);
+    return std::distance(history_.rbegin(), other) % (options_.refine_rounds + 1);
   }
 
   // Random search found few counterexamples; those that are left may be none of its own.
   bool nearly_clean(const RoundSummary& row) const {
     if (row.round < options_.min_rounds || row.stage != Stage::search) return false;
-    return row.counterexamples() < options_.mend_below || row.first_found == 0;
+    return row.counterexamples() < options_.refine_below || row.first_found == 0;
   }
 
   // A weight's factor: `first`, less after each round of the stage that failed.
@@ -293,19 +295,19 @@ class Trainer::Impl {
     return factor;
   }
 
-  RoundPlan polish_plan() const {
-    RoundPlan plan = {false, options_.polish_rate, options_.loss};
-    plan.loss.mse *= careful(Stage::polish, options_.polish_mse);
+  RoundPlan imitation_finetune_plan() const {
+    RoundPlan plan = {false, options_.imitation_finetune_rate, options_.loss};
+    plan.loss.imitation *= careful(Stage::imitation_finetune, options_.imitation_finetune_mse);
     return plan;
   }
 
   // What concerns B alone.
-  RoundPlan growth_plan() const {
-    RoundPlan plan = {true, options_.growth_rate, options_.loss};
-    plan.loss.mse = plan.loss.lyapunov = plan.loss.deflection = 0.0;
-    plan.loss.labels *= careful(Stage::growth, options_.growth_labels);
-    plan.loss.separation *= options_.growth_margins;
-    plan.loss.band *= options_.growth_margins;
+  RoundPlan enlarge_plan() const {
+    RoundPlan plan = {true, options_.enlarge_rate, options_.loss};
+    plan.loss.imitation = plan.loss.lyapunov = plan.loss.obstacle_normal = 0.0;
+    plan.loss.rollout_safety *= careful(Stage::enlarge, options_.enlarge_labels);
+    plan.loss.barrier_sets *= options_.enlarge_margins;
+    plan.loss.barrier_decrease *= options_.enlarge_margins;
     return plan;
   }
 
@@ -321,30 +323,32 @@ class Trainer::Impl {
   }
 
   bool uses_labels() const {
-    return labels && options_.label_points > 0 && options_.loss.labels > 0.0 && options_.loss.kind != "paper";
+    return labels && options_.rollout_points > 0 && options_.loss.rollout_safety > 0.0 &&
+           options_.loss.kind != "paper";
   }
 
   // Rollout labels of fresh points under the f that the round starts with.
   void label(RoundSummary& row) {
     if (!uses_labels()) return;
     RandomStream random(seed_, "labels", row.round);
-    const Points starts = sampler_.uniform(options_.label_points, random);
+    const Points starts = sampler_.uniform(options_.rollout_points, random);
     const std::vector<bool> is_safe = labels(modules_.f->snapshot(), starts);
-    std::vector<Eigen::Index> safe, doomed;
-    for (Eigen::Index i = 0; i < starts.rows(); ++i) (is_safe[i] ? safe : doomed).push_back(i);
+    std::vector<Eigen::Index> safe, unsafe_rollouts;
+    for (Eigen::Index i = 0; i < starts.rows(); ++i) (is_safe[i] ? safe : unsafe_rollouts).push_back(i);
     row.safe_share = static_cast<double>(safe.size()) / static_cast<double>(starts.rows());
-    sampler_.set_labels(starts(safe, Eigen::all), starts(doomed, Eigen::all));
+    sampler_.set_labels(starts(safe, Eigen::all), starts(unsafe_rollouts, Eigen::all));
   }
 
   // Without the band's weight nothing makes B a barrier.
-  void seek_repairs(Stage stage) {
+  void seek_backtracked(Stage stage) {
     const Points none(0, problem_.dimension());
-    Repairs found = {none, none, none};
-    if (options_.repair_motions > 0 && options_.loss.band > 0.0 && stage == Stage::search) {
-      found = repairs(networks(), problem_, sampler_.pools().workspace, sampler_.position(),
-                      sampler_.velocity(), {options_.repair_motions, options_.band, options_.repair_gain});
+    Backtracked found = {none, none, none};
+    if (options_.backtrack_motions > 0 && options_.loss.barrier_decrease > 0.0 && stage == Stage::search) {
+      found = backtrack(networks(), problem_, sampler_.pools().workspace, sampler_.position(),
+                        sampler_.velocity(),
+                        {options_.backtrack_motions, options_.level_band, options_.backtrack_gain});
     }
-    sampler_.set_repairs(std::move(found));
+    sampler_.set_backtracked(std::move(found));
   }
 
   void seek_band(RandomStream& random) {
@@ -361,9 +365,9 @@ class Trainer::Impl {
   }
 
   void choose_level(std::int64_t round) {
-    if (options_.level_reach == 0.0) return;
+    if (options_.max_level_shift == 0.0) return;
     RandomStream random(seed_, "level", round);
-    LayerStack B = modules_.B->snapshot();
+    NetworkWeights B = modules_.B->snapshot();
     Vector& bias = B.layers.back().bias;
     if (bias.size() == 0) return;
     if (const auto c = level_.largest(networks(), random)) {
@@ -377,7 +381,7 @@ class Trainer::Impl {
     for (const auto& source : sources) {
       if (source->only_when_clean() && (row.counterexamples() > 0 || row.round < options_.min_rounds))
         continue;
-      const Counterexamples found = source->find(current, problem_, options_.band, seed_, row.round);
+      const Counterexamples found = source->find(current, problem_, options_.level_band, seed_, row.round);
       if (source == sources.front()) row.first_found = found.total();
       for (std::size_t q = 0; q < row.counts.size(); ++q) row.counts[q] += found.counts[q];
       sampler_.add(found, options_.pool_additions, options_.pool_capacity);

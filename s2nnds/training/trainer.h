@@ -12,9 +12,9 @@
 
 namespace s2nnds {
 
-// What a round is for. `search`: a certificate. After it, keeping only what is clean, `polish`: an f nearer
-// to the demonstrations, and `growth`: a larger safe set, B alone trained.
-enum class Stage : std::uint8_t { search, polish, growth };
+// What a round is for. `search`: a certificate. After it, keeping only what is clean, `imitation_finetune`: an f nearer
+// to the demonstrations, and `enlarge`: a larger safe set, B alone trained.
+enum class Stage : std::uint8_t { search, imitation_finetune, enlarge };
 
 // One row of the history: a round of joint training and the search for counterexamples after it.
 struct RoundSummary {
@@ -22,10 +22,10 @@ struct RoundSummary {
   double loss = 0.0;       // means over the round's steps
   double mse = 0.0;
   double lyapunov = 0.0;
-  double separation = 0.0;
-  double band = 0.0;
-  double labels = 0.0;
-  double deflection = 0.0;
+  double barrier_sets = 0.0;
+  double barrier_decrease = 0.0;
+  double rollout_safety = 0.0;
+  double obstacle_normal = 0.0;
   std::array<std::int64_t, condition_count> counts{};  // counterexamples found, by condition
   std::int64_t first_found = 0;                        // of these, by the first source: random search
   std::int64_t pool = 0;                               // counterexamples kept for training
@@ -56,11 +56,11 @@ struct TrainerSummary {
 };
 
 // Labels starts [N, n] by their rollouts under f: true where safe and reaching the goal.
-using RolloutLabels = std::function<std::vector<bool>(const LayerStack& f, const Points& starts)>;
+using RolloutLabels = std::function<std::vector<bool>(const NetworkWeights& f, const Points& starts)>;
 
 // The counterexample-guided loop (the paper's Algorithm 2): warm start of f, then rounds of joint training of
 // f, V and B, each followed by a search for counterexamples, until a round of at least min_rounds ends clean;
-// then rounds that polish f and rounds in which B alone grows, which keep what was clean.
+// then rounds that fine-tune f and rounds in which B alone grows, which keep what was clean.
 class Trainer {
  public:
   // `demonstrations` are the training demonstrations, normalised. The problem must outlive the trainer.

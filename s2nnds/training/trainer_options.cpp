@@ -14,25 +14,25 @@ void WarmStartOptions::visit(FieldVisitor& v) {
 
 void LossOptions::visit(FieldVisitor& v) {
   v.field("kind", kind, {"robust", "paper"});
-  v.field("mse", mse, at_least(0.0));
+  v.field("imitation", imitation, at_least(0.0));
   v.field("lyapunov", lyapunov, at_least(0.0));
-  v.field("separation", separation, at_least(0.0));
-  v.field("band", band, at_least(0.0));
+  v.field("barrier_sets", barrier_sets, at_least(0.0));
+  v.field("barrier_decrease", barrier_decrease, at_least(0.0));
   v.field("margin_initial", margin_initial, at_least(0.0));
   v.field("margin_unsafe", margin_unsafe, at_least(0.0));
-  v.field("margin_band", margin_band, at_least(0.0));
+  v.field("margin_barrier_decrease", margin_barrier_decrease, at_least(0.0));
   if (kind == "paper") {
     v.field("margin_positive", margin_positive, at_least(0.0));
     v.field("margin_decrease", margin_decrease, any_number());
     v.field("leak", leak, between(0.0, 1.0));
     return;
   }
-  v.field("labels", labels, at_least(0.0));
-  v.field("deflection", deflection, at_least(0.0));
-  v.field("kappa", kappa, at_least(0.0));
+  v.field("rollout_safety", rollout_safety, at_least(0.0));
+  v.field("obstacle_normal", obstacle_normal, at_least(0.0));
+  v.field("decay_rate", decay_rate, at_least(0.0));
   v.field("band_width", band_width, above(0.0));
-  v.field("margin_label", margin_label, at_least(0.0));
-  v.field("margin_deflection", margin_deflection, at_least(0.0));
+  v.field("margin_rollout_safety", margin_rollout_safety, at_least(0.0));
+  v.field("margin_obstacle_normal", margin_obstacle_normal, at_least(0.0));
 }
 
 void BatchOptions::visit(FieldVisitor& v) {
@@ -41,7 +41,7 @@ void BatchOptions::visit(FieldVisitor& v) {
   v.field("workspace", workspace, at_least(1));
   v.field("initial", initial, at_least(1));
   v.field("unsafe", unsafe, at_least(1));
-  v.field("shell", shell, at_least(1));
+  v.field("workspace_margin", workspace_margin, at_least(1));
   v.field("labels", labels, at_least(2));
   v.field("upstream", upstream, at_least(1));
   v.field("corrections", corrections, at_least(1));
@@ -67,32 +67,32 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("rate_period", rate_period, at_least(1));
   v.field("redraw_barrier", redraw_barrier);
   v.field("restart_mse", restart_mse, between(0.0, 1.0));
-  v.field("restart_labels", restart_labels, between(0.0, 1.0));
-  v.field("mend_rounds", mend_rounds, at_least(0));
-  v.field("mend_below", mend_below, at_least(1));
-  v.field("mend_rate", mend_rate, above(0.0));
-  v.field("mend_labels", mend_labels, between(0.0, 1.0));
-  v.field("mend_band", mend_band, at_least(0.0));
-  v.field("repair_motions", repair_motions, at_least(0));
-  v.field("repair_gain", repair_gain, at_least(0.0));
-  v.field("level_reach", level_reach, at_least(0.0));
-  v.field("polish_rounds", polish_rounds, at_least(0));
-  v.field("polish_mse", polish_mse, at_least(0.0));
-  v.field("polish_rate", polish_rate, above(0.0));
-  v.field("growth_rounds", growth_rounds, at_least(0));
-  v.field("growth_labels", growth_labels, at_least(0.0));
-  v.field("growth_margins", growth_margins, at_least(0.0));
-  v.field("growth_rate", growth_rate, above(0.0));
+  v.field("restart_rollout_safety", restart_rollout_safety, between(0.0, 1.0));
+  v.field("refine_rounds", refine_rounds, at_least(0));
+  v.field("refine_below", refine_below, at_least(1));
+  v.field("refine_rate", refine_rate, above(0.0));
+  v.field("refine_labels", refine_labels, between(0.0, 1.0));
+  v.field("refine_band", refine_band, at_least(0.0));
+  v.field("backtrack_motions", backtrack_motions, at_least(0));
+  v.field("backtrack_gain", backtrack_gain, at_least(0.0));
+  v.field("max_level_shift", max_level_shift, at_least(0.0));
+  v.field("imitation_finetune_rounds", imitation_finetune_rounds, at_least(0));
+  v.field("imitation_finetune_mse", imitation_finetune_mse, at_least(0.0));
+  v.field("imitation_finetune_rate", imitation_finetune_rate, above(0.0));
+  v.field("enlarge_rounds", enlarge_rounds, at_least(0));
+  v.field("enlarge_labels", enlarge_labels, at_least(0.0));
+  v.field("enlarge_margins", enlarge_margins, at_least(0.0));
+  v.field("enlarge_rate", enlarge_rate, above(0.0));
   v.field("clip", clip, above(0.0));
   v.field("weight_decay", weight_decay, at_least(0.0));
-  v.field("label_points", label_points, at_least(0));
+  v.field("rollout_points", rollout_points, at_least(0));
   v.field("smoothing", smoothing, between(0.0, 1.0));
   v.field("tube", tube, at_least(0.0));
-  v.field("keep_clear", keep_clear, at_least(0.0));
+  v.field("obstacle_margin", obstacle_margin, at_least(0.0));
   v.field("samples", samples, at_least(1));
   v.field("pool_additions", pool_additions, at_least(1));
   v.field("pool_capacity", pool_capacity, at_least(1));
-  v.field("band", band, above(0.0));
+  v.field("level_band", level_band, above(0.0));
   v.group("warm_start", warm_start);
   v.group("loss", loss);
   v.group("batch", batch);
@@ -100,25 +100,26 @@ void TrainerOptions::visit(FieldVisitor& v) {
 
 TrainerOptions paper_training() {
   TrainerOptions options;
-  options.label_points = 0;
-  options.mend_rounds = options.repair_motions = options.polish_rounds = options.growth_rounds = 0;
+  options.rollout_points = 0;
+  options.refine_rounds = options.backtrack_motions = options.imitation_finetune_rounds =
+      options.enlarge_rounds = 0;
   options.rate_certificates = 3e-3;
   options.rate_rise = 1;
   options.redraw_barrier = false;
-  options.restart_mse = options.restart_labels = 1.0;
-  options.level_reach = 0.0;
-  options.smoothing = options.keep_clear = options.batch.start_jitter = 0.0;
+  options.restart_mse = options.restart_rollout_safety = 1.0;
+  options.max_level_shift = 0.0;
+  options.smoothing = options.obstacle_margin = options.batch.start_jitter = 0.0;
   options.weight_decay = options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
-                  .mse = 10.0,
+                  .imitation = 10.0,
                   .lyapunov = 1.0,
-                  .separation = 1.0,
-                  .band = 1.0,
-                  .deflection = 0.0,
+                  .barrier_sets = 1.0,
+                  .barrier_decrease = 1.0,
+                  .obstacle_normal = 0.0,
                   .margin_initial = 0.01,
                   .margin_unsafe = 0.01,
-                  .margin_band = 0.0};
-  options.batch.initial = options.batch.unsafe = options.batch.shell = 64;
+                  .margin_barrier_decrease = 0.0};
+  options.batch.initial = options.batch.unsafe = options.batch.workspace_margin = 64;
   options.batch.share_band = options.batch.share_goal = 0.0;
   return options;
 }

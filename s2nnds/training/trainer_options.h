@@ -21,36 +21,36 @@ struct WarmStartOptions {
 };
 
 // The losses of the joint training. `robust`:
-//   mse MSE
-//   + lyapunov mean log(1 + relu(q)),  q = Vdot / (V + 1e-6) + kappa        (decay rate, free of V's scale)
-//   + separation (mean relu(B + margin_initial) on X0 + mean relu(margin_unsafe - B) on Xu and the shell)
-//   + band mean w relu(Bdot + margin_band),  w = exp(-(B / band_width)^2) held constant   (around {B = 0})
-//   + labels (mean relu(B + margin_label) where rollouts are safe + mean relu(margin_label - B) where they
+//   imitation MSE
+//   + lyapunov mean log(1 + relu(q)),  q = Vdot / (V + 1e-6) + decay_rate        (decay rate, free of V's scale)
+//   + barrier_sets (mean relu(B + margin_initial) on X0 + mean relu(margin_unsafe - B) on Xu and the workspace margin)
+//   + barrier_decrease mean w relu(Bdot + margin_barrier_decrease),  w = exp(-(B / band_width)^2) held constant   (around {B = 0})
+//   + rollout_safety (mean relu(B + margin_rollout_safety) where rollouts are safe + mean relu(margin_rollout_safety - B) where they
 //   are not)
-//   + deflection mean relu(margin_deflection - n.f(x)) on the obstacle's boundary, n its unit normal
+//   + obstacle_normal mean relu(margin_obstacle_normal - n.f(x)) on the obstacle's boundary, n its unit normal
 //   outwards.
 // `paper`: equations (6) to (8) as printed, LR_a the leaky ReLU:
-//   mse MSE + lyapunov mean (LR_a(margin_positive - V) + LR_a(Vdot - margin_decrease))
-//   + separation (mean LR_a(B + margin_initial) on X0 + mean LR_a(margin_unsafe - B) on Xu) + band mean
-//   LR_a(Bdot - margin_band) on X.
+//   imitation MSE + lyapunov mean (LR_a(margin_positive - V) + LR_a(Vdot - margin_decrease))
+//   + barrier_sets (mean LR_a(B + margin_initial) on X0 + mean LR_a(margin_unsafe - B) on Xu) + barrier_decrease mean
+//   LR_a(Bdot - margin_barrier_decrease) on X.
 struct LossOptions {
   std::string kind = "robust";
-  double mse = 10.0;
+  double imitation = 10.0;
   double lyapunov = 5.0;
-  double separation = 2.0;
-  double band = 5.0;
-  double labels = 1.0;
+  double barrier_sets = 2.0;
+  double barrier_decrease = 5.0;
+  double rollout_safety = 1.0;
   // Motions that would meet the obstacle turn aside before it, which leaves more of the workspace safe. Not
   // all can: V falls along every motion, so followed backwards those that end at the obstacle come from the
   // workspace's edge. The gap through which they come gets narrower, and the certificate harder to find.
-  double deflection = 0.1;
-  double kappa = 0.1;
+  double obstacle_normal = 0.1;
+  double decay_rate = 0.1;
   double margin_initial = 0.05;
   double margin_unsafe = 0.05;
-  double margin_band = 0.05;
+  double margin_barrier_decrease = 0.05;
   double band_width = 0.15;
-  double margin_label = 0.02;
-  double margin_deflection = 0.02;
+  double margin_rollout_safety = 0.02;
+  double margin_obstacle_normal = 0.02;
   double margin_positive = 0.01;  // paper: delta_l1
   double margin_decrease = 0.0;   // paper: delta_l2, as printed: its sign favours Vdot < delta_l2
   double leak = 0.01;             // paper: alpha of the leaky ReLU
@@ -68,11 +68,11 @@ struct BatchOptions {
   std::int64_t workspace = 512;
   std::int64_t initial = 128;
   std::int64_t unsafe = 256;
-  std::int64_t shell = 256;
+  std::int64_t workspace_margin = 256;
   std::int64_t labels = 256;      // half of them with safe rollouts
   std::int64_t upstream = 128;    // beside them, of the repairs
   std::int64_t corrections = 64;  // beside the demonstrations, of the repairs
-  std::int64_t boundary = 128;    // of the obstacle, where there is a deflection
+  std::int64_t boundary = 128;    // of the obstacle, where there is a obstacle_normal
   // Shares of the workspace batch; the rest is uniform in X.
   double share_counterexamples = 0.3;
   double share_band = 0.25;  // points with |B| < band_near
@@ -98,55 +98,56 @@ struct TrainerOptions {
   std::int64_t rate_period =
       10;  // rounds after which the decay starts anew: small rates do not leave a bad shape
   bool redraw_barrier = true;  // B starts anew with the rates: no training mends some shapes
-  // Factors of the demonstrations' weight and of the labels' and the deflection's, once more each time the
+  // Factors of the demonstrations' weight and of the labels' and the obstacle_normal's, once more each time the
   // rates start anew: what could not be certified must give way somewhere. Where motions fan out before the
   // obstacle, those that meet it come through a gap so narrow that labels which fill it leave no room for B
   // to fall. The motion that is certified then may pass the obstacle on the other side than the
   // demonstrations.
   double restart_mse = 0.5;
-  double restart_labels = 0.3;
+  double restart_rollout_safety = 0.3;
   // A round after one in which random search found fewer counterexamples than this mends: its rates are
   // lower, and the labels, which press {B = 0} against the motions where Bdot < 0 is hard to meet, and the
-  // deflection weigh less with every such round. So many rounds may mend in a row, then one follows at full
+  // obstacle_normal weigh less with every such round. So many rounds may mend in a row, then one follows at full
   // rates.
-  std::int64_t mend_rounds = 4;
-  std::int64_t mend_below = 200;
-  double mend_rate = 0.33;   // factor of all rates
-  double mend_labels = 0.6;  // factor of these two weights, once more with each mending round
-  double mend_band = 3.0;    // factor of the band's weight
+  std::int64_t refine_rounds = 4;
+  std::int64_t refine_below = 200;
+  double refine_rate = 0.33;   // factor of all rates
+  double refine_labels = 0.6;  // factor of these two weights, once more with each refining round
+  double refine_band = 3.0;    // factor of the band's weight
   // So many motions at most that enter {B > 0} at a counterexample are followed back before each round until
   // the first clean one. Where one comes from X0, f is fitted to the velocity of the nearest demonstration
-  // sample plus repair_gain times the way to it; where it does not, B is trained to be positive along it. The
+  // sample plus backtrack_gain times the way to it; where it does not, B is trained to be positive along it. The
   // losses at the counterexample itself can make do with an f that is nearly still there.
-  std::int64_t repair_motions = 64;
-  double repair_gain = 0.5;  // 1 / normalised time
+  std::int64_t backtrack_motions = 64;
+  double backtrack_gain = 0.5;  // 1 / normalised time
   // After every round B is shifted by at most this to the level that gives the largest safe set without a
   // violation among some samples, if there is one.
-  double level_reach = 0.1;
+  double max_level_shift = 0.1;
   // Rounds after the first clean one that train all three with more weight on the demonstrations, so that f
   // comes nearer to what it would be without conditions; what such a round makes of them is kept only if it
   // is clean as well.
-  std::int64_t polish_rounds = 6;
-  double polish_mse = 10.0;  // factor of the demonstrations' weight; less after such a round failed
-  double polish_rate = 0.3;  // factor of all rates
+  std::int64_t imitation_finetune_rounds = 6;
+  double imitation_finetune_mse =
+      10.0;  // factor of the demonstrations' weight; less after such a round failed
+  double imitation_finetune_rate = 0.3;  // factor of all rates
   // Rounds after these that train B alone, with f and V as they are and the labels weighing
   // more, so that the safe set grows; what such a round makes of B is kept only if it is clean as well.
-  std::int64_t growth_rounds = 10;
-  double growth_labels = 4.0;        // factor of the labels' weight, at most; less after such a round failed
-  double growth_margins = 2.0;       // factor of the separation's and the band's weights
-  double growth_rate = 0.5;          // factor of B's rate
-  double clip = 1.0;                 // norm of each network's gradient
-  double weight_decay = 0.2;         // decoupled (AdamW), of all weights of f
-  std::int64_t label_points = 6000;  // relabelled every round by rollouts; 0: no labels
-  double smoothing = 1.0;            // share of a phase regression's velocities in those that f is fitted to
-  double tube = 0.0;  // width of its samples beside the demonstrations, normalised units; 0: none
+  std::int64_t enlarge_rounds = 10;
+  double enlarge_labels = 4.0;   // factor of the labels' weight, at most; less after such a round failed
+  double enlarge_margins = 2.0;  // factor of the barrier_sets's and the band's weights
+  double enlarge_rate = 0.5;     // factor of B's rate
+  double clip = 1.0;             // norm of each network's gradient
+  double weight_decay = 0.2;     // decoupled (AdamW), of all weights of f
+  std::int64_t rollout_points = 6000;  // relabelled every round by rollouts; 0: no labels
+  double smoothing = 1.0;  // share of a phase regression's velocities in those that f is fitted to
+  double tube = 0.0;       // width of its samples beside the demonstrations, normalised units; 0: none
   // Demonstration samples nearer to Xu than this (per axis) leave the MSE term; twice this for demonstrations
   // that pass through Xu, whose samples within Xu by more than this stay.
-  double keep_clear = 0.05;
+  double obstacle_margin = 0.05;
   std::int64_t samples = 200000;       // random search for counterexamples after each round
   std::int64_t pool_additions = 500;   // violators of one condition that join the pool each round
   std::int64_t pool_capacity = 20000;  // the oldest counterexamples leave beyond this
-  double band = 0.01;                  // eps_B: Bdot < 0 must hold where |B| <= band
+  double level_band = 0.01;            // eps_B: Bdot < 0 must hold where |B| <= level_band
   WarmStartOptions warm_start;
   LossOptions loss;
   BatchOptions batch;

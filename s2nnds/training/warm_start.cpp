@@ -6,7 +6,7 @@
 
 #include "s2nnds/core/random.h"
 #include "s2nnds/training/flat_adam.h"
-#include "s2nnds/training/joint_sweep.h"
+#include "s2nnds/training/fused_loss.h"
 #include "s2nnds/training/losses.h"
 
 namespace s2nnds {
@@ -17,7 +17,7 @@ double full_mse(VectorField& f, const torch::Tensor& position, const torch::Tens
   return imitation_loss(f(position), velocity).item<double>();
 }
 
-// The joint sweep with nothing but the imitation term: V and B are as small as they can be, and unused.
+// The fused loss with nothing but the imitation term: V and B are as small as they can be, and unused.
 class ImitationSweep {
  public:
   explicit ImitationSweep(const VectorField& f)
@@ -39,12 +39,13 @@ class ImitationSweep {
   static NetworkShape unused(const VectorField& f) { return {{{f->network->inputs(), 1}}}; }
   static LossOptions only_imitation() {
     LossOptions options;
-    options.mse = 1.0;
-    options.lyapunov = options.separation = options.band = options.labels = options.deflection = 0.0;
+    options.imitation = 1.0;
+    options.lyapunov = options.barrier_sets = options.barrier_decrease = options.rollout_safety =
+        options.obstacle_normal = 0.0;
     return options;
   }
 
-  JointSweep<float> sweep_;
+  FusedLoss<float> sweep_;
   std::vector<float> unused_, unused_gradient_;
 };
 

@@ -49,7 +49,7 @@ Points near_band(const Points& lower, const Vector& side, double band, ScalarEnc
 
 }  // namespace
 
-BandSampler::BandSampler(const LayerStack& B, const Box& within, double band)
+BandSampler::BandSampler(const NetworkWeights& B, const Box& within, double band)
     : barrier_(B), band_(band), lower_(within.lower.transpose()), side_(within.upper - within.lower) {
   check(barrier_.input_dimension() == within.dimension() && within.is_finite() && !within.is_empty(),
         "band sampler: found a box of dimension {}, expected a finite one of dimension {}",

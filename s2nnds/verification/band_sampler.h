@@ -14,7 +14,7 @@ namespace s2nnds {
 class BandSampler {
  public:
   // Throws Error unless `within` is finite and of B's dimension.
-  BandSampler(const LayerStack& B, const Box& within, double band);
+  BandSampler(const NetworkWeights& B, const Box& within, double band);
 
   // [count, n]. Fewer rows, perhaps none, when the band is too thin even for this: more than a thousand draws
   // a point, or so few points to begin with that it would take twice as many. A B without a finite value

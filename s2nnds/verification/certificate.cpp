@@ -60,7 +60,7 @@ void Certificate::visit(FieldVisitor& v) {
   v.field("method", method);
   v.field("weight_hash", weight_hash);
   v.field("attempts", attempts, kCount);
-  v.field("band", band, at_least(0));
+  v.field("level_band", level_band, at_least(0));
   v.field("disturbance_margin", disturbance_margin, at_least(0));
   v.field("convergence_radius", convergence_radius, at_least(0));
   v.field("float32_error", float32_error, any_number());

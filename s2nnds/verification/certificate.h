@@ -44,7 +44,7 @@ struct Certificate {
   std::string method;               // the last method that was run
   std::string weight_hash;          // of the networks that it speaks of
   std::int64_t attempts = 0;        // conformal verifications made of these weights
-  double band = 0.0;                // eps_B
+  double level_band = 0.0;          // eps_B
   double disturbance_margin = 0.0;  // largest certified |w| (normalised velocity); 0: not certified
   double convergence_radius = 0.0;  // of the ball (normalised) that motions under such w converge to
   double float32_error = 0.0;       // bound on the error of f evaluated in float32 (normalised velocity)

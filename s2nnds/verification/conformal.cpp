@@ -44,13 +44,13 @@ const RegionPtr* region_of(Condition condition, const SafetyProblem& problem) {
     case Condition::unsafe:
       return &problem.unsafe;
     case Condition::containment:
-      return &problem.shell;
+      return &problem.workspace_margin;
     default:
       return nullptr;
   }
 }
 
-// False only where the condition's region is provably empty (no obstacle, no shell): nothing is to be checked
+// False only where the condition's region is provably empty (no obstacle, no margin): nothing is to be checked
 // then.
 bool has_region(Condition condition, const SafetyProblem& problem) {
   const RegionPtr* region = region_of(condition, problem);
@@ -68,28 +68,29 @@ std::vector<Condition> conditions_to_check(const SafetyProblem& problem) {
 
 // Scores of `count` i.i.d. uniform points of a region within X; none if no point of the region can be found.
 Vector scores_in(const RegionPtr& region, Condition condition, const Networks& networks,
-                 const SafetyProblem& problem, double band, std::int64_t count, RandomStream& random) {
+                 const SafetyProblem& problem, double level_band, std::int64_t count, RandomStream& random) {
   const RegionSampler sampler(region, problem.workspace);
   if (sampler.empty()) return {};
-  return residual(condition, networks, problem, band,
+  return residual(condition, networks, problem, level_band,
                   sampler.sample(static_cast<std::size_t>(count), random));
 }
 
-// Scores of `count` i.i.d. uniform points of the band |B| <= band within X; none if it cannot be sampled.
-Vector scores_in_band(const Networks& networks, const SafetyProblem& problem, double band, std::int64_t count,
-                      RandomStream& random) {
-  const Points x = BandSampler(networks.B, problem.workspace, band).sample(count, random);
+// Scores of `count` i.i.d. uniform points of the band |B| <= level_band within X; none if it cannot be sampled.
+Vector scores_in_band(const Networks& networks, const SafetyProblem& problem, double level_band,
+                      std::int64_t count, RandomStream& random) {
+  const Points x = BandSampler(networks.B, problem.workspace, level_band).sample(count, random);
   if (x.rows() < count) return {};
-  return residual(Condition::barrier_decrease, networks, problem, band, x);
+  return residual(Condition::barrier_decrease, networks, problem, level_band, x);
 }
 
 Vector calibration_scores(Condition condition, const Networks& networks, const SafetyProblem& problem,
-                          double band, std::int64_t count, RandomStream& random) {
-  if (condition == Condition::barrier_decrease) return scores_in_band(networks, problem, band, count, random);
+                          double level_band, std::int64_t count, RandomStream& random) {
+  if (condition == Condition::barrier_decrease)
+    return scores_in_band(networks, problem, level_band, count, random);
   if (const RegionPtr* region = region_of(condition, problem)) {
-    return scores_in(*region, condition, networks, problem, band, count, random);
+    return scores_in(*region, condition, networks, problem, level_band, count, random);
   }
-  return residual(condition, networks, problem, band, uniform_points(problem.workspace, count, random));
+  return residual(condition, networks, problem, level_band, uniform_points(problem.workspace, count, random));
 }
 
 // Counts `scores` into the verdict; a score that is not a number is the worst there is.
@@ -180,7 +181,7 @@ void ConformalOptions::visit(FieldVisitor& v) {
 void SampledOptions::visit(FieldVisitor& v) { v.field("samples", samples, at_least(10)); }
 
 std::vector<ConditionVerdict> verify_conformal(const Networks& networks, const SafetyProblem& problem,
-                                               double band, const ConformalOptions& options,
+                                               double level_band, const ConformalOptions& options,
                                                std::uint64_t seed, std::int64_t attempt) {
   check_probabilities("verify_conformal", options.epsilon, options.beta);
   const std::vector<Condition> conditions = conditions_to_check(problem);
@@ -196,7 +197,8 @@ std::vector<ConditionVerdict> verify_conformal(const Networks& networks, const S
     const auto start = std::chrono::steady_clock::now();
     RandomStream random(seed, fmt::format("conformal/{}", to_string(condition)),
                         static_cast<std::uint64_t>(attempt));
-    const Vector scores = calibration_scores(condition, networks, problem, band, options.samples, random);
+    const Vector scores =
+        calibration_scores(condition, networks, problem, level_band, options.samples, random);
     ConditionVerdict verdict = calibrate(condition, scores, *order, beta);
     verdict.seed = static_cast<std::int64_t>(seed);
     verdict.attempt = attempt;
@@ -210,12 +212,13 @@ std::vector<ConditionVerdict> verify_conformal(const Networks& networks, const S
 }
 
 std::vector<ConditionVerdict> verify_sampled(const Networks& networks, const SafetyProblem& problem,
-                                             double band, const SampledOptions& options, std::uint64_t seed) {
+                                             double level_band, const SampledOptions& options,
+                                             std::uint64_t seed) {
   check(options.samples >= 10, "verify_sampled: found samples = {}, expected >= 10", options.samples);
   const auto begin = std::chrono::steady_clock::now();
   RandomStream random(seed, "sampled/workspace");
   const Points everywhere =
-      residuals(networks, problem, band, uniform_points(problem.workspace, options.samples, random));
+      residuals(networks, problem, level_band, uniform_points(problem.workspace, options.samples, random));
   const double shared_seconds = seconds_since(begin);
   std::vector<ConditionVerdict> verdicts;
   for (const Condition condition : conditions_to_check(problem)) {
@@ -229,7 +232,7 @@ std::vector<ConditionVerdict> verify_sampled(const Networks& networks, const Saf
     if (region) {
       RandomStream own(seed, fmt::format("sampled/{}", to_string(condition)));
       count_scores(condition,
-                   scores_in(*region, condition, networks, problem, band, options.samples / 10, own),
+                   scores_in(*region, condition, networks, problem, level_band, options.samples / 10, own),
                    verdict);
     }
     // A band that no sample hits is a band without a counterexample; a set that was never hit was never

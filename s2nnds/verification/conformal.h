@@ -27,7 +27,7 @@ double tightest_epsilon(std::int64_t samples, std::int64_t violations, double be
 double beta_of_attempt(double beta, std::int64_t attempt);
 
 struct ConformalOptions {
-  std::int64_t samples = 250000;  // a region: X, X0, Xu, shell, the band
+  std::int64_t samples = 250000;  // a region: X, X0, Xu, the workspace margin, the band
   double epsilon = 1e-4;
   double beta = 1e-4;  // split evenly over the conditions that need samples
 
@@ -37,15 +37,16 @@ struct ConformalOptions {
 // Calibrates each condition on its own region with fresh samples from the streams ("conformal", attempt).
 // Throws Error when `samples` are too few for epsilon and beta.
 std::vector<ConditionVerdict> verify_conformal(const Networks& networks, const SafetyProblem& problem,
-                                               double band, const ConformalOptions& options,
+                                               double level_band, const ConformalOptions& options,
                                                std::uint64_t seed, std::int64_t attempt);
 
 struct SampledOptions {
-  std::int64_t samples = 200000;  // i.i.d. in X, and a tenth each in X0, Xu and the shell
+  std::int64_t samples = 200000;  // i.i.d. in X, and a tenth each in X0, Xu and the workspace margin
 
   void visit(FieldVisitor& v);
 };
 std::vector<ConditionVerdict> verify_sampled(const Networks& networks, const SafetyProblem& problem,
-                                             double band, const SampledOptions& options, std::uint64_t seed);
+                                             double level_band, const SampledOptions& options,
+                                             std::uint64_t seed);
 
 }  // namespace s2nnds

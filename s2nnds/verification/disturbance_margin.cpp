@@ -370,7 +370,7 @@ constexpr double float_roundoff = 0x1p-24;
 constexpr double float_tiny = 1e-35;  // gradual underflow, summed over a layer
 
 // |y_float32 - y| for each output at boxes around `center`.
-Vector propagate(const LayerStack& network, const Vector& center, const Vector& half) {
+Vector propagate(const NetworkWeights& network, const Vector& center, const Vector& half) {
   constexpr double slack = 1.0 + 1e-9;
   Vector middle = center, reach = half;  // a lies within middle +- reach
   Vector error = 6.0 * float_roundoff * (center.cwiseAbs() + half);
@@ -409,7 +409,7 @@ Vector propagate(const LayerStack& network, const Vector& center, const Vector& 
 
 }  // namespace
 
-double float32_error(const LayerStack& network, const Box& box) {
+double float32_error(const NetworkWeights& network, const Box& box) {
   network.check();
   check(network.head != Head::squared_norm, "float32 error: expected a vector field");
   const Eigen::Index n = box.dimension();
@@ -419,8 +419,9 @@ double float32_error(const LayerStack& network, const Box& box) {
   const auto side = static_cast<Eigen::Index>(std::max(2.0, std::floor(std::pow(4096.0, 1.0 / double(n)))));
   Eigen::Index cells = 1;
   for (Eigen::Index d = 0; d < n; ++d) cells *= side;
-  const Vector offset = network.head == Head::anchored ? propagate(network, Vector::Zero(n), Vector::Zero(n))
-                                                       : Vector::Zero(network.output_dimension());
+  const Vector offset = network.head == Head::zero_at_origin
+                            ? propagate(network, Vector::Zero(n), Vector::Zero(n))
+                            : Vector::Zero(network.output_dimension());
   const Vector half = (box.upper - box.lower) / (2.0 * double(side)) * (1.0 + 1e-9);
   double largest = 0.0;
   for (Eigen::Index cell = 0; cell < cells; ++cell) {

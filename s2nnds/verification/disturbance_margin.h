@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/safety_problem.h"
 #include "s2nnds/verification/prover.h"
 
@@ -48,7 +48,7 @@ double convergence_radius(const ProofFunctions& functions, const SafetyProblem& 
 // A bound on |y_float32(x) - y(x)|_2 over the box: every product and sum of the layers rounded to 24 bits in
 // any order, weights, biases and x rounded to float32 first, up to two more roundings of x and y (scales),
 // and activations wrong by at most 8 units in the last place (of 1, for bounded ones). The offset N(0) of an
-// anchored network counts twice. Rigorous for values below 1e30, with gradual underflow.
-double float32_error(const LayerStack& network, const Box& box);
+// zero_at_origin network counts twice. Rigorous for values below 1e30, with gradual underflow.
+double float32_error(const NetworkWeights& network, const Box& box);
 
 }  // namespace s2nnds

@@ -107,7 +107,7 @@ struct NetworkFunction::Memory final : TaylorFunction::Workspace {
   Eigen::Index streams = 1;
 };
 
-NetworkFunction::NetworkFunction(const LayerStack& stack) : stack_(stack) {
+NetworkFunction::NetworkFunction(const NetworkWeights& stack) : stack_(stack) {
   stack_.check();
   for (const Layer& layer : stack_.layers) {
     AffineMap map;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 #include "s2nnds/verification/taylor_model.h"
 
 namespace s2nnds {
@@ -10,7 +10,7 @@ namespace s2nnds {
 // exact one, u = 2^-53. The stack is copied; it is checked (throws Error).
 class NetworkFunction final : public TaylorFunction {
  public:
-  explicit NetworkFunction(const LayerStack& stack);
+  explicit NetworkFunction(const NetworkWeights& stack);
 
   Eigen::Index input_dimension() const override { return stack_.input_dimension(); }
   Eigen::Index output_dimension() const override { return stack_.output_dimension(); }
@@ -48,7 +48,7 @@ class NetworkFunction final : public TaylorFunction {
   void add_norm_rate(const BoxTile& tile, const TileModels& direction, Memory& memory,
                      std::vector<TileRow>& adjoint, TileForm& q) const;
 
-  LayerStack stack_;
+  NetworkWeights stack_;
   std::vector<AffineMap> maps_;
   Vector offset_, offset_error_;  // N(0) and its rounding error; 0 for the plain head
   double operations_ = 0.0;

@@ -28,7 +28,7 @@ struct Statement {
   Condition condition;
   const ProofFunctions& functions;
   const SafetyProblem& problem;
-  double band;
+  double level_band;
   double goal_cube;  // proved already for 0 < |x|_inf <= goal_cube
 };
 
@@ -129,7 +129,7 @@ class ConditionExaminer final : public BoxExaminer {
         return problem.unsafe->classify(box);
       case Condition::containment:
         if (lies_on_face(box, problem.workspace)) return Location::inside;
-        return problem.shell ? problem.shell->classify(box) : Location::outside;
+        return problem.workspace_margin ? problem.workspace_margin->classify(box) : Location::outside;
       case Condition::barrier_decrease:
         return Location::inside;
     }
@@ -160,7 +160,7 @@ class ConditionExaminer final : public BoxExaminer {
       const TileRow low = barrier.lower(tile_), high = barrier.upper(tile_);
       for (std::size_t lane = 0; lane < tile_rows.size(); ++lane) {
         const auto at = static_cast<Eigen::Index>(lane);
-        if (low(at) > statement_.band || high(at) < -statement_.band) {
+        if (low(at) > statement_.level_band || high(at) < -statement_.level_band) {
           batch.status[tile_rows[lane]] = BoxStatus::proved;
         } else {
           kept.push_back(tile_rows[lane]);
@@ -218,7 +218,7 @@ class ConditionExaminer final : public BoxExaminer {
         const auto lane = static_cast<Eigen::Index>(i);
         const bool violated =
             allows_zero(statement_.condition) ? violation(lane) > 0.0 : violation(lane) >= 0.0;
-        if (!violated || !(size(lane) <= statement_.band) ||
+        if (!violated || !(size(lane) <= statement_.level_band) ||
             location({candidate.point, candidate.point}) != Location::inside) {
           continue;
         }
@@ -325,7 +325,7 @@ Guarantee guarantee_of(const ProofResult& result, const SafetyProblem& problem) 
   for (const ConditionProof& proof : result.conditions) {
     if (proof.condition != Condition::containment && !proof.is_proved()) return Guarantee::none;
   }
-  if (!contained && problem.shell) return Guarantee::none;
+  if (!contained && problem.workspace_margin) return Guarantee::none;
   return contained && result.goal_is_safe && result.initial_in_workspace ? Guarantee::invariant
                                                                          : Guarantee::proved;
 }
@@ -383,11 +383,11 @@ const ConditionProof& ProofResult::operator[](Condition condition) const {
 }
 
 ConditionProof prove_condition(Condition condition, const ProofFunctions& functions,
-                               const SafetyProblem& problem, double band, const ProofOptions& options,
+                               const SafetyProblem& problem, double level_band, const ProofOptions& options,
                                const ProofProgress& progress) {
   validate(options);
   check_dimensions(functions, problem);
-  check(band >= 0.0, "proof: band is {}, expected >= 0", band);
+  check(level_band >= 0.0, "proof: level_band is {}, expected >= 0", level_band);
   const Clock::time_point start = Clock::now();
   ConditionProof proof;
   if (condition == Condition::lyapunov_positive && functions.V->is_positive_by_construction()) {
@@ -400,7 +400,7 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
     limits.max_after_refuted = options.max_after_refuted;
     limits.kept_boxes = options.kept_boxes;
     limits.max_seconds = options.max_seconds - seconds_since(start);
-    proof = decide({condition, functions, problem, band, cube}, limits, progress);
+    proof = decide({condition, functions, problem, level_band, cube}, limits, progress);
     proof.goal_cube = cube;
   }
   proof.condition = condition;
@@ -410,13 +410,13 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
   return proof;
 }
 
-ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double band,
+ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options, const ProofProgress& progress) {
   const Clock::time_point start = Clock::now();
   ProofResult result;
   ProofOptions left = options;
   for (Condition condition : all_conditions) {
-    ConditionProof proof = prove_condition(condition, functions, problem, band, left, progress);
+    ConditionProof proof = prove_condition(condition, functions, problem, level_band, left, progress);
     left.max_seconds = std::max(options.max_seconds - seconds_since(start), least_seconds);
     if (condition == Condition::lyapunov_decrease) result.goal_cube = proof.goal_cube;
     result.boxes += proof.verdict.boxes;
@@ -429,9 +429,9 @@ ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem,
   return result;
 }
 
-ProofResult prove(const Networks& networks, const SafetyProblem& problem, double band,
+ProofResult prove(const Networks& networks, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options, const ProofProgress& progress) {
-  return prove(ProofFunctions::of(networks), problem, band, options, progress);
+  return prove(ProofFunctions::of(networks), problem, level_band, options, progress);
 }
 
 }  // namespace s2nnds

@@ -62,21 +62,21 @@ struct ProofResult {
 
 using ProofProgress = std::function<void(Condition, const BranchProgress&)>;
 
-// Decides all conditions on the whole continuum of the workspace (condition.h), with `band` = eps_B >= 0.
+// Decides all conditions on the whole continuum of the workspace (condition.h), with `level_band` = eps_B >= 0.
 // Sound in floating point: `proved` holds in exact arithmetic for the functions with exactly these double
-// coefficients, and a witness violates its condition in exact arithmetic. Containment is proved on the shell,
+// coefficients, and a witness violates its condition in exact arithmetic. Containment is proved on the workspace margin,
 // if there is one, and on the workspace's boundary. Guarantee: `proved` if all conditions hold (containment
-// only where the problem has a shell); `invariant` if containment holds, B(0) <= 0 and X0 lies in the
+// only where the problem has a workspace margin); `invariant` if containment holds, B(0) <= 0 and X0 lies in the
 // workspace as well. Verdicts and box counts do not depend on the number of threads, unless the time limit
 // strikes. Throws Error on functions or sets of different dimensions.
-ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double band,
+ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
-ProofResult prove(const Networks& networks, const SafetyProblem& problem, double band,
+ProofResult prove(const Networks& networks, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
 
 // One condition alone, in the same way.
 ConditionProof prove_condition(Condition condition, const ProofFunctions& functions,
-                               const SafetyProblem& problem, double band, const ProofOptions& options = {},
-                               const ProofProgress& progress = nullptr);
+                               const SafetyProblem& problem, double level_band,
+                               const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
 
 }  // namespace s2nnds

@@ -51,14 +51,14 @@ BENCHMARK(score)->Apply([](auto* each) { sizes(each, 25000); });
 
 // f(x)_i = -(1 / width) sum_j g_j tanh(g_j x_i), neuron j of coordinate i: falls towards the goal along every
 // axis.
-LayerStack descent(std::int64_t n, std::int64_t width) {
+NetworkWeights descent(std::int64_t n, std::int64_t width) {
   RandomStream random(0, "descent");
   Layer in, out;
   in.weight = Points::Zero(width, n);
   for (std::int64_t j = 0; j < width; ++j) in.weight(j, j % n) = random.uniform(0.3, 1.0);
   in.activation = Activation::tanh;
   out.weight = -in.weight.transpose() * (static_cast<double>(n) / static_cast<double>(width));
-  return {{in, out}, Head::anchored, 0.0};
+  return {{in, out}, Head::zero_at_origin, 0.0};
 }
 
 // Networks that meet every condition of the sets below: V = 1.05 |x|^2, and B = sum_i softplus(20 (+-x_i -
@@ -87,7 +87,7 @@ SafetyProblem provable_sets(std::int64_t n) {
   Vector center = Vector::Zero(n);
   center[n - 1] = 1.1;
   problem.unsafe = ball(center, 0.1);
-  problem.shell = nullptr;
+  problem.workspace_margin = nullptr;
   return problem;
 }
 
@@ -120,10 +120,11 @@ void proof_of_run(benchmark::State& state) {
   if (path == nullptr) return state.SkipWithError("set S2NNDS_RUN to a run file");
   const RunRecord record = load_run(path);
   const char* data = std::getenv("S2NNDS_DATA");
-  const Setup setup = set_up(record, data ? data : "");
+  const PreparedRun setup = prepare(record, data ? data : "");
   ProofResult result;
   for (auto _ : state) {
-    result = prove(record.networks, setup.problem, record.certificate.band, setup.config.verification.proof);
+    result =
+        prove(record.networks, setup.problem, record.certificate.level_band, setup.config.verification.proof);
   }
   report(state, result);
 }

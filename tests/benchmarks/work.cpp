@@ -28,7 +28,7 @@ NetworkOptions network_options(const WorkSize& size) {
   return options;
 }
 
-Multiplications::Multiplications(const LayerStack& stack) {
+Multiplications::Multiplications(const NetworkWeights& stack) {
   for (const Layer& layer : stack.layers) all += static_cast<double>(layer.weight.size());
   inner = all - static_cast<double>(stack.layers.front().weight.size());
 }

@@ -57,7 +57,7 @@ SafetyProblem make_sets(std::int64_t dimension);
 struct Multiplications {
   double all = 0.0;    // out in, summed over layers
   double inner = 0.0;  // without the first layer
-  explicit Multiplications(const LayerStack& stack);
+  explicit Multiplications(const NetworkWeights& stack);
   double value() const { return 2.0 * all; }
   double value_and_tangent() const { return 4.0 * all; }
   double training_on_value() const { return 2.0 * (2.0 * all + inner); }

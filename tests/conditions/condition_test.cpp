@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 
-LayerStack linear(const Points& weight, const Vector& bias = {}) {
+NetworkWeights linear(const Points& weight, const Vector& bias = {}) {
   return {.layers = {{.weight = weight, .bias = bias, .activation = Activation::identity}}};
 }
 
@@ -34,7 +34,7 @@ SafetyProblem simple_problem() {
   problem.workspace = Box::cube(2, 1.0);
   problem.initial = ball(Vector{{-0.5, -0.5}}, 0.1);
   problem.unsafe = ball(Vector{{0.5, 0.5}}, 0.2);
-  problem.shell = complement(box_region(Box::cube(2, 0.95)));
+  problem.workspace_margin = complement(box_region(Box::cube(2, 0.95)));
   return problem;
 }
 
@@ -66,11 +66,11 @@ TEST(Residuals, MatchClosedFormsWhereTheConditionsApply) {
   for (double& value : x.reshaped()) value = random.uniform(-1.0, 1.0);
   x.row(0) << 0.5, 0.55;    // unsafe
   x.row(1) << -0.5, -0.45;  // initial
-  x.row(2) << 0.96, 0.1;    // shell
+  x.row(2) << 0.96, 0.1;    // margin
   x.row(3) << 0.1, 0.21;    // band
-  const double band = 0.1;
+  const double level_band = 0.1;
   const SafetyProblem problem = simple_problem();
-  const Points all = residuals(networks, problem, band, x);
+  const Points all = residuals(networks, problem, level_band, x);
   std::array<int, condition_count> applied{};
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     const double x1 = x(i, 0), x2 = x(i, 1);
@@ -90,7 +90,7 @@ TEST(Residuals, MatchClosedFormsWhereTheConditionsApply) {
     expect(Condition::initial, std::hypot(x1 + 0.5, x2 + 0.5) <= 0.1, b);
     expect(Condition::unsafe, std::hypot(x1 - 0.5, x2 - 0.5) <= 0.2, -b);
     expect(Condition::containment, std::max(std::abs(x1), std::abs(x2)) >= 0.95, -b);
-    expect(Condition::barrier_decrease, std::abs(b) <= band, b_dot);
+    expect(Condition::barrier_decrease, std::abs(b) <= level_band, b_dot);
   }
   for (const int count : applied) EXPECT_GT(count, 0);
 }
@@ -131,7 +131,7 @@ TEST(Residuals, AskNothingOutsideTheWorkspace) {
 
 TEST(Residuals, DoWithoutShellAndObstacle) {
   SafetyProblem problem = simple_problem();
-  problem.shell = nullptr;
+  problem.workspace_margin = nullptr;
   problem.unsafe = empty_region(2);
   const Points all = residuals(simple_networks(), problem, 0.1, Points{{0.99, 0.0}, {0.5, 0.5}});
   EXPECT_TRUE((all.col(static_cast<Eigen::Index>(Condition::containment)).array() == kNever).all());

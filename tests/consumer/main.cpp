@@ -4,12 +4,12 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/handwriting.h"
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 
 int main() {
   const s2nnds::DemonstrationSet motion = s2nnds::handwriting("Sine");
 
-  s2nnds::LayerStack law;
+  s2nnds::NetworkWeights law;
   law.layers.push_back({-s2nnds::Points::Identity(2, 2), {}, s2nnds::Activation::identity});
   law.check();
   for (const s2nnds::Demonstration& demonstration : motion.demonstrations) {

@@ -30,7 +30,7 @@ constexpr const char* kFast = "-O3 -march=native";
 Networks random_networks(int n, Activation activation, RandomStream& random) {
   Networks networks;
   networks.f = random_stack({n, 40, 17, n}, activation, true, false, random);
-  networks.f.head = Head::anchored;
+  networks.f.head = Head::zero_at_origin;
   networks.V = random_stack({n, 20, 7, 33, 9}, activation, true, false, random);
   networks.V.head = Head::squared_norm;
   networks.V.quadratic = 0.3;
@@ -115,7 +115,7 @@ class CppHeader : public testing::Test {
     for (Eigen::Index i = 0; i < z.rows(); ++i) EXPECT_EQ(found.safe[i] == 1.0, barrier[i] <= 0.0);
     EXPECT_EQ(found.allocations, 0) << flags;
   }
-  double float_bound(const LayerStack& f) const {
+  double float_bound(const NetworkWeights& f) const {
     const Eigen::Index n = f.input_dimension();
     return float32_error(f, Box{Vector::Constant(n, -1.25), Vector::Constant(n, 1.5)});
   }
@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(All, CppHeaderOf,
 TEST_F(CppHeader, FloatStaysWithinTheCertificatesBoundNearlyTightly) {
   Networks networks = random_networks(2, Activation::tanh, random_);
   networks.f = random_stack({2, 64, 64, 64, 2}, Activation::tanh, true, false, random_);
-  networks.f.head = Head::anchored;
+  networks.f.head = Head::zero_at_origin;
   for (const char* flags : {"-O0", "-O2", kFast, "-O2 -DPOLICY_WITHOUT_VECTORS"}) {
     expect_same(networks, HeaderPrecision::float32, std::min(float_bound(networks.f), 5e-6), flags);
   }

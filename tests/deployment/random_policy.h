@@ -5,15 +5,15 @@
 
 #include "s2nnds/core/random.h"
 #include "s2nnds/deployment/policy_info.h"
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
 
 // Layers of random weights; `exact_in_float`: weights that float32 holds exactly, so that evaluating an
 // export in double is exact too.
-inline LayerStack random_stack(const std::vector<int>& sizes, Activation activation, bool bias,
-                               bool exact_in_float, RandomStream& random) {
-  LayerStack stack;
+inline NetworkWeights random_stack(const std::vector<int>& sizes, Activation activation, bool bias,
+                                   bool exact_in_float, RandomStream& random) {
+  NetworkWeights stack;
   for (std::size_t l = 0; l + 1 < sizes.size(); ++l) {
     const auto draw = [&] {
       const double value = random.normal() / std::sqrt(sizes[l]);

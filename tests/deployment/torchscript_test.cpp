@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 Networks random_networks(int n, Activation activation, RandomStream& random) {
   Networks networks;
   networks.f = random_stack({n, 12, 9, n}, activation, true, true, random);
-  networks.f.head = Head::anchored;
+  networks.f.head = Head::zero_at_origin;
   networks.V = random_stack({n, 10, 7}, activation, true, true, random);
   networks.V.head = Head::squared_norm;
   networks.V.quadratic = 0.3;

@@ -7,7 +7,7 @@
 namespace s2nnds {
 namespace {
 
-LayerStack linear(const Points& weight) {
+NetworkWeights linear(const Points& weight) {
   return {.layers = {{.weight = weight, .bias = {}, .activation = Activation::identity}}};
 }
 
@@ -57,7 +57,7 @@ TEST(Robustness, OfAContractionIsKnownInClosedForm) {
 }
 
 TEST(Robustness, OfADriftIsNil) {
-  const LayerStack drift = {
+  const NetworkWeights drift = {
       .layers = {
           {.weight = Points::Zero(2, 2), .bias = Vector{{1.0, 0.0}}, .activation = Activation::identity}}};
   const auto found = measure_robustness(drift, nullptr, problem_with({}), starting_at(0.0, 0.5), 1);
@@ -70,7 +70,7 @@ TEST(Robustness, OfADriftIsNil) {
 
 TEST(Robustness, SameSeedSameFigures) {
   const SafetyProblem problem = problem_with(ball(0.0, 0.5, 0.1));
-  const LayerStack f = linear(Points{{-1.0, -2.0}, {2.0, -1.0}});
+  const NetworkWeights f = linear(Points{{-1.0, -2.0}, {2.0, -1.0}});
   const RobustnessOptions small{.grid = 4};
   const auto once = measure_robustness(f, nullptr, problem, starting_at(0.8, 0.0), 7, small),
              again = measure_robustness(f, nullptr, problem, starting_at(0.8, 0.0), 7, small),
@@ -94,9 +94,9 @@ TEST(Robustness, DistancesAreThoseToTheBoundary) {
 TEST(Robustness, ACertificateSpeaksOfWhatStartsInTheSafeSet) {
   // Straight lines to the goal past a ball in the upper half; {B <= 0} is the lower half.
   const SafetyProblem problem = problem_with(ball(0.0, 0.5, 0.1));
-  const LayerStack lower_half = {
+  const NetworkWeights lower_half = {
       .layers = {{.weight = Points{{0.0, 1.0}}, .bias = Vector{{0.0}}, .activation = Activation::identity}}};
-  const LayerStack contraction = linear(Points{{-1.0, 0.0}, {0.0, -1.0}});
+  const NetworkWeights contraction = linear(Points{{-1.0, 0.0}, {0.0, -1.0}});
   const auto found = measure_robustness(contraction, &lower_half, problem, starting_at(0.8, -0.4), 1);
   EXPECT_EQ(found[0].covered, 200) << "half of the grid";
   EXPECT_DOUBLE_EQ(found[0].covered_converged, 1.0);

@@ -13,14 +13,14 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-LayerStack linear(const Points& weight, const Vector& bias = {}) {
+NetworkWeights linear(const Points& weight, const Vector& bias = {}) {
   return {.layers = {{.weight = weight, .bias = bias, .activation = Activation::identity}}};
 }
 
 // x(t) = e^-t (cos 2t, sin 2t) from (1, 0).
-LayerStack spiral() { return linear(Points{{-1.0, -2.0}, {2.0, -1.0}}); }
-LayerStack circle() { return linear(Points{{0.0, -1.0}, {1.0, 0.0}}); }
-LayerStack drift(double speed) { return linear(Points::Zero(2, 2), Vector{{speed, 0.0}}); }
+NetworkWeights spiral() { return linear(Points{{-1.0, -2.0}, {2.0, -1.0}}); }
+NetworkWeights circle() { return linear(Points{{0.0, -1.0}, {1.0, 0.0}}); }
+NetworkWeights drift(double speed) { return linear(Points::Zero(2, 2), Vector{{speed, 0.0}}); }
 
 SafetyProblem open_problem(double half_width = 2.0) {
   SafetyProblem problem;
@@ -95,7 +95,7 @@ TEST(RollOut, LeavesTheWorkspaceAndItsShell) {
   Rollout motion = roll_out(drift(1.0), problem, Vector{{0.5, 0.1}});
   EXPECT_EQ(motion.stop, StopReason::left_workspace);
   EXPECT_NEAR(motion.time[motion.time.size() - 1], 0.5, 1e-9);
-  problem.shell = complement(box_region(Box::cube(2, 0.97)));
+  problem.workspace_margin = complement(box_region(Box::cube(2, 0.97)));
   motion = roll_out(drift(1.0), problem, Vector{{0.5, 0.1}});
   EXPECT_EQ(motion.stop, StopReason::left_workspace);
   EXPECT_NEAR(motion.time[motion.time.size() - 1], 0.47, 1e-9);
@@ -118,7 +118,7 @@ TEST(RollOut, FailsHonestlyWhenTheMotionEscapes) {
 
 // Towards the line x1 = 0 from both sides, where only ever shorter steps go on: nobody waits for these.
 TEST(RollOut, GivesUpAMotionThatChatters) {
-  const LayerStack chattering = {
+  const NetworkWeights chattering = {
       .layers = {{.weight = Points{{2e4, 0.0}}, .bias = Vector{{0.0}}, .activation = Activation::tanh},
                  {.weight = Points{{-1.0}, {0.0}}, .bias = {}, .activation = Activation::identity}}};
   const Rollout motion = roll_out(chattering, open_problem(), Vector{{0.2, 0.5}});
@@ -173,7 +173,7 @@ TEST(RollOutAt, RefusesDescendingTimesAndShowsEscape) {
 
 // f(x) = -W tanh(x) + a random bounded disturbance, f(0) = 0: turns, slows, and for some starts does not
 // arrive.
-LayerStack nonlinear_field() {
+NetworkWeights nonlinear_field() {
   RandomStream random(11, "test");
   Layer hidden{.weight = Points::Zero(18, 2), .bias = Vector::Zero(18), .activation = Activation::tanh};
   Layer output{.weight = Points::Zero(2, 18), .bias = {}, .activation = Activation::identity};
@@ -186,7 +186,7 @@ LayerStack nonlinear_field() {
       output.weight(k, i) = 0.05 * random.normal();
     }
   }
-  return {.layers = {hidden, output}, .head = Head::anchored};
+  return {.layers = {hidden, output}, .head = Head::zero_at_origin};
 }
 
 SafetyProblem crowded_problem(double grown) {
@@ -194,12 +194,12 @@ SafetyProblem crowded_problem(double grown) {
   problem.unsafe =
       unite({ball(Vector{{0.5, 0.4}}, 0.2 + grown),
              box_region({Vector{{-0.8 - grown, -0.3 - grown}}, Vector{{-0.5 + grown, -0.28 + grown}}})});
-  problem.shell = complement(box_region(Box::cube(2, 1.2 - grown)));
+  problem.workspace_margin = complement(box_region(Box::cube(2, 1.2 - grown)));
   return problem;
 }
 
 TEST(RolloutIsSafe, AgreesWithTheAdaptiveRollouts) {
-  const LayerStack f = nonlinear_field();
+  const NetworkWeights f = nonlinear_field();
   RandomStream random(12, "test");
   Points starts(600, 2);
   for (double& value : starts.reshaped()) value = random.uniform(-1.25, 1.25);
@@ -230,7 +230,7 @@ TEST(RolloutIsSafe, DoesNotJumpOverAThinObstacle) {
   // A long approach at constant speed, where the steps grow to their limit.
   SafetyProblem problem = open_problem(10.0);
   problem.unsafe = box_region({Vector{{-1.006, -0.1}}, Vector{{-1.0, 0.1}}});
-  const LayerStack f{
+  const NetworkWeights f{
       .layers = {{.weight = Points{{5.0, 0.0}, {0.0, 5.0}}, .bias = {}, .activation = Activation::tanh},
                  {.weight = -3.0 * Points::Identity(2, 2), .bias = {}}}};
   const std::vector<bool> safe =
@@ -252,8 +252,8 @@ TEST(RolloutIsSafe, KnownVerdicts) {
 }
 
 TEST(RolloutIsSafe, AMotionWithoutValueIsUnsafe) {
-  const LayerStack broken{.layers = {{.weight = Points{{1e200, 0.0}, {1e200, 0.0}}, .bias = {}},
-                                     {.weight = Points{{1e200, -1e200}, {0.0, 0.0}}, .bias = {}}}};
+  const NetworkWeights broken{.layers = {{.weight = Points{{1e200, 0.0}, {1e200, 0.0}}, .bias = {}},
+                                         {.weight = Points{{1e200, -1e200}, {0.0, 0.0}}, .bias = {}}}};
   EXPECT_EQ(rollout_is_safe(broken, open_problem(), Points{{0.5, 0.5}}), std::vector<bool>{false});
 }
 

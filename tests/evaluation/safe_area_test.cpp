@@ -12,7 +12,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-LayerStack linear(const Points& weight, const Vector& bias = {}) {
+NetworkWeights linear(const Points& weight, const Vector& bias = {}) {
   return {.layers = {{.weight = weight, .bias = bias, .activation = Activation::identity}}};
 }
 
@@ -28,7 +28,7 @@ TEST(SublevelArea, OfBallsInTwoToFourDimensions) {
 }
 
 TEST(SublevelArea, OfAHalfPlaneInAnyBox) {
-  const LayerStack plane = linear(Points{{1.0, 0.0}}, Vector::Constant(1, -0.25));  // x1 <= 0.25
+  const NetworkWeights plane = linear(Points{{1.0, 0.0}}, Vector::Constant(1, -0.25));  // x1 <= 0.25
   EXPECT_NEAR(sublevel_area(plane, {Vector{{-1.0, 2.0}}, Vector{{1.0, 5.0}}}, 80), 1.25 * 3.0, 1e-12);
 }
 
@@ -63,7 +63,7 @@ TEST(MeasureSafeArea, WorksInThreeDimensions) {
   problem.workspace = Box::cube(3, 1.0);
   problem.initial = empty_region(3);
   problem.unsafe = empty_region(3);
-  problem.shell = complement(box_region(Box::cube(3, 0.9)));
+  problem.workspace_margin = complement(box_region(Box::cube(3, 0.9)));
   Networks networks;
   networks.f = linear(-Points::Identity(3, 3));
   networks.V = linear(Points{{1.0, 0.0, 0.0}});

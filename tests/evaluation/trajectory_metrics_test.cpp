@@ -75,7 +75,7 @@ TEST(Dtw, NotANumberShows) {
   EXPECT_TRUE(std::isnan(dtw_independent(random_curve(5, 2), a)));
 }
 
-LayerStack linear(const Points& weight, const Vector& bias = {}) {
+NetworkWeights linear(const Points& weight, const Vector& bias = {}) {
   return {.layers = {{.weight = weight, .bias = bias, .activation = Activation::identity}}};
 }
 

@@ -30,8 +30,8 @@ double scalar(Activation activation, double z) {
   return NAN;
 }
 
-LayerStack random_stack(std::vector<int> sizes, Activation activation, bool bias, RandomStream& random) {
-  LayerStack stack;
+NetworkWeights random_stack(std::vector<int> sizes, Activation activation, bool bias, RandomStream& random) {
+  NetworkWeights stack;
   for (std::size_t l = 0; l + 1 < sizes.size(); ++l) {
     Layer layer;
     layer.weight =
@@ -43,7 +43,7 @@ LayerStack random_stack(std::vector<int> sizes, Activation activation, bool bias
   return stack;
 }
 
-Vector reference(const LayerStack& stack, Vector a) {
+Vector reference(const NetworkWeights& stack, Vector a) {
   for (const Layer& layer : stack.layers) {
     Vector z = layer.weight * a;
     if (layer.bias.size()) z += layer.bias;
@@ -78,8 +78,8 @@ TEST_P(EveryActivation, NotANumberStaysNotANumber) {
 TEST_P(EveryActivation, EvaluatorMatchesPlainLoopsOverShapesAndHeads) {
   RandomStream random(7, "evaluator test", static_cast<std::uint64_t>(GetParam()));
   for (const auto& sizes : {std::vector<int>{2, 64, 64, 2}, {3, 32, 17, 5, 3}, {6, 100, 1}, {2, 2}}) {
-    for (Head head : {Head::plain, Head::anchored, Head::squared_norm}) {
-      LayerStack stack = random_stack(sizes, GetParam(), true, random);
+    for (Head head : {Head::plain, Head::zero_at_origin, Head::squared_norm}) {
+      NetworkWeights stack = random_stack(sizes, GetParam(), true, random);
       stack.head = head;
       stack.quadratic = head == Head::squared_norm ? 0.05 : 0.0;
       const Points x = Points::NullaryExpr(131, sizes[0], [&] { return random.uniform(-2, 2); });
@@ -88,7 +88,7 @@ TEST_P(EveryActivation, EvaluatorMatchesPlainLoopsOverShapesAndHeads) {
         const Vector zero = Vector::Zero(at.size());
         if (head == Head::plain) return reference(stack, at);
         const Vector u = reference(stack, at) - reference(stack, zero);
-        if (head == Head::anchored) return u;
+        if (head == Head::zero_at_origin) return u;
         return Vector::Constant(1, u.squaredNorm() + stack.quadratic * at.squaredNorm());
       };
       Points value, derivative;
@@ -164,9 +164,9 @@ INSTANTIATE_TEST_SUITE_P(All, EveryActivation,
                                          Activation::softplus, Activation::silu, Activation::sine),
                          [](const auto& test) { return std::string(to_string(test.param)); });
 
-TEST(LayerStack, RefusesShapesThatDoNotFit) {
+TEST(NetworkWeights, RefusesShapesThatDoNotFit) {
   RandomStream random(1, "shapes");
-  LayerStack stack = random_stack({2, 8, 1}, Activation::tanh, true, random);
+  NetworkWeights stack = random_stack({2, 8, 1}, Activation::tanh, true, random);
   EXPECT_NO_THROW(stack.check());
   stack.layers[1].weight.resize(1, 7);
   EXPECT_THROW(stack.check(), Error);
@@ -183,7 +183,7 @@ TEST(WeightHash, SeesEveryChange) {
   other.B.layers[0].weight(3, 1) = std::nextafter(other.B.layers[0].weight(3, 1), 10.0);
   EXPECT_NE(before, weight_hash(other));
   other = networks;
-  other.V.head = Head::anchored;
+  other.V.head = Head::zero_at_origin;
   EXPECT_NE(before, weight_hash(other));
   EXPECT_EQ(before, weight_hash(networks));
 }

@@ -63,13 +63,13 @@ TEST(SafetyProblem, TheShellIsTheClosedOutsideOfTheContainedWorkspace) {
   options.workspace = 2.0;
   options.containment = 0.75;
   const SafetyProblem problem = make_problem(options, lines());
-  EXPECT_TRUE(problem.shell->contains(Vector{{1.5, 0.0}}));
-  EXPECT_FALSE(problem.shell->contains(Vector{{1.4999, -1.4999}}));
-  EXPECT_EQ(problem.shell->classify({Vector{{1.5, -2.0}}, Vector{{2.0, 2.0}}}), Location::inside);
-  EXPECT_EQ(problem.shell->classify({Vector{{0.0, 0.0}}, Vector{{1.5, 1.0}}}), Location::unknown);
-  EXPECT_EQ(problem.shell->classify({Vector{{0.0, 0.0}}, Vector{{1.4, 1.0}}}), Location::outside);
+  EXPECT_TRUE(problem.workspace_margin->contains(Vector{{1.5, 0.0}}));
+  EXPECT_FALSE(problem.workspace_margin->contains(Vector{{1.4999, -1.4999}}));
+  EXPECT_EQ(problem.workspace_margin->classify({Vector{{1.5, -2.0}}, Vector{{2.0, 2.0}}}), Location::inside);
+  EXPECT_EQ(problem.workspace_margin->classify({Vector{{0.0, 0.0}}, Vector{{1.5, 1.0}}}), Location::unknown);
+  EXPECT_EQ(problem.workspace_margin->classify({Vector{{0.0, 0.0}}, Vector{{1.4, 1.0}}}), Location::outside);
   options.contain = false;
-  EXPECT_EQ(make_problem(options, lines()).shell, nullptr);
+  EXPECT_EQ(make_problem(options, lines()).workspace_margin, nullptr);
 }
 
 TEST(SafetyProblem, DemonstrationsMayPassThroughTheObstacle) {

@@ -25,7 +25,7 @@ SMALL = {
     "training.rounds": 3,
     "training.min_rounds": 3,
     "training.steps": 30,
-    "training.label_points": 200,
+    "training.rollout_points": 200,
     "training.samples": 2000,
     "training.warm_start.steps": 100,
     "training.warm_start.attempts": 1,
@@ -126,11 +126,11 @@ FAR_OBSTACLE = {"problem.unsafe": '{ type = "ball", center = [0.6, 1.1], radius 
 def certify_by_hand(path):
     """Gives a run with FAR_OBSTACLE networks that meet every condition: f(x) = -x, V(x) = 1.05 |x|^2 and, with
     k = 20, B(x) = sum of softplus(k (+-x_i - c_i)) - 0.3: convex with its least value at the goal, so that it
-    falls along f; negative on X0 (x = -1), positive on the obstacle (y >= 1) and on the shell."""
+    falls along f; negative on X0 (x = -1), positive on the obstacle (y >= 1) and on the margin."""
     k, c = 20.0, np.array([1.1, 0.9])
     eye, none = np.eye(2), np.zeros(2)
     with h5py.File(path, "r+") as file:
-        write_network(file, "f", [(-eye, none, "identity")], "anchored")
+        write_network(file, "f", [(-eye, none, "identity")], "zero_at_origin")
         write_network(file, "V", [(eye, none, "identity")], "squared_norm", 0.05)
         write_network(
             file,

@@ -25,7 +25,7 @@ class ManyTrialsTest(ProgramTest):
             file.write(STUB)
         os.chmod(self.path("stub"), 0o755)
         with open(self.path("sweep.toml"), "w", encoding="utf-8") as file:
-            file.write(sweep_text('"training.loss.kappa" = { log_range = [0.01, 1.0] }', design='"sobol"', points="1000"))
+            file.write(sweep_text('"training.loss.decay_rate" = { log_range = [0.01, 1.0] }', design='"sobol"', points="1000"))
         words = ("sweep", self.path("sweep.toml"), "--out", self.path("out"), "--program", self.path("stub"))
         began = time.monotonic()
         code, out, err = self.call(*words)

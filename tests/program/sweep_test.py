@@ -14,7 +14,7 @@ from command_line import SINE, SMALL, ProgramTest, differences
 
 TRIAL = {**SMALL, "networks.f.hidden": "[8]", "networks.V.hidden": "[8]", "networks.B.hidden": "[8]",
          "training.rounds": 2, "training.min_rounds": 1, "training.steps": 5, "training.warm_start.steps": 5,
-         "training.label_points": 0, "training.samples": 100, "verification.sampled.samples": 100,
+         "training.rollout_points": 0, "training.samples": 100, "verification.sampled.samples": 100,
          "evaluation.grid_points": 11, "data.validation": "[4]"}
 
 
@@ -22,7 +22,7 @@ def toml(values):
     return "".join(f"{key} = {value}\n" for key, value in values.items())
 
 
-def sweep_text(axes='"training.loss.kappa" = [0.1, 0.2]', changes=None, **fields):
+def sweep_text(axes='"training.loss.decay_rate" = [0.1, 0.2]', changes=None, **fields):
     """A sweep whose trials take half a second each."""
     settings = {**TRIAL, **(changes or {})}
     own = {
@@ -67,10 +67,10 @@ class DryRunTest(SweepTest):
         return json.loads(printed.splitlines()[-1])["trials"]
 
     def test_lists_every_trial_and_starts_none(self):
-        trials = self.trials(sweep_text('"training.loss.kappa" = [0.1, 0.2]\ntraining.steps = { range = [5, 7], count = 3 }'))
+        trials = self.trials(sweep_text('"training.loss.decay_rate" = [0.1, 0.2]\ntraining.steps = { range = [5, 7], count = 3 }'))
         self.assertEqual(len(trials), 12)
         self.assertEqual([t["seed"] for t in trials[:3]], [0, 1, 0])
-        self.assertEqual(trials[2]["settings"][-3:], ["training.loss.kappa=0.1", "training.steps=6", "seed=0"])
+        self.assertEqual(trials[2]["settings"][-3:], ["training.loss.decay_rate=0.1", "training.steps=6", "seed=0"])
         self.assertEqual(len({json.dumps(t["settings"]) for t in trials}), 12)
 
     def test_the_lines_for_people(self):
@@ -91,7 +91,7 @@ class LocalTest(SweepTest):
         self.assertIn("4/4 ", err)
         self.assertIn("best=", err)
         rows = self.rows()
-        self.assertEqual([(r["trial"], r["seed"], r["training.loss.kappa"]) for r in rows],
+        self.assertEqual([(r["trial"], r["seed"], r["training.loss.decay_rate"]) for r in rows],
                          [("0", "0", "0.1"), ("1", "1", "0.1"), ("2", "0", "0.2"), ("3", "1", "0.2")])
         for row in rows:
             with h5py.File(self.path("out/" + row["run"])) as file:
@@ -106,12 +106,12 @@ class LocalTest(SweepTest):
         self.assertEqual(differences(self.path("alone.h5"), self.run_file(3)), [])
 
     def test_csv_and_hdf5_hold_the_same(self):
-        self.write(sweep_text('"training.loss.kappa" = [0.1]\n"networks.f.hidden" = [[8], [4, 4]]'))
+        self.write(sweep_text('"training.loss.decay_rate" = [0.1]\n"networks.f.hidden" = [[8], [4, 4]]'))
         self.sweep()
         rows = self.rows()
         with h5py.File(self.path("out/table.h5")) as file:
             self.assertEqual(list(file.attrs["columns"]), list(rows[0]))
-            self.assertEqual(list(file.attrs["axes"]), ["training.loss.kappa", "networks.f.hidden"])
+            self.assertEqual(list(file.attrs["axes"]), ["training.loss.decay_rate", "networks.f.hidden"])
             for name in rows[0]:
                 column = file["trials"][name]
                 if column.dtype.kind == "O":
@@ -300,20 +300,20 @@ class BadInputTest(SweepTest):
 
     def test_misspelt_keys(self):
         self.assert_sweep_refused(sweep_text(objectiv='"mse_train"'), "sweep.toml:6", "objectiv", "objective")
-        self.assert_sweep_refused(sweep_text('"training.loss.kapa" = [0.1]'), "sweep.toml:8", "kapa", "kappa")
+        self.assert_sweep_refused(sweep_text('"training.loss.decay_rat" = [0.1]'), "sweep.toml:8", "decay_rat", "decay_rate")
         self.assert_sweep_refused(sweep_text('"training.steps" = { rnage = [1, 2] }'), "training.steps.rnage")
         self.assert_sweep_refused(sweep_text('"training.steps" = { range = [1, 2], cuont = 2 }'), "cuont", "count")
         self.assert_sweep_refused(sweep_text(set='["training.raunds=3"]'), "training.raunds", "rounds")
 
     def test_values(self):
-        self.assert_sweep_refused(sweep_text('"training.loss.kappa" = [0.1, -1.0]'), "kappa", "-1", ">= 0")
+        self.assert_sweep_refused(sweep_text('"training.loss.decay_rate" = [0.1, -1.0]'), "decay_rate", "-1", ">= 0")
         self.assert_sweep_refused(sweep_text('"training.steps" = [100, "many"]'), "many", "integer")
         self.assert_sweep_refused(sweep_text('"training.steps" = { range = [0.5, 7.5], count = 3 }'), "0.5", "integer")
         self.assert_sweep_refused(sweep_text('"training.steps" = []'), "at least one value")
         self.assert_sweep_refused(sweep_text('"training.steps" = [7, 7]'), "7 twice")
-        self.assert_sweep_refused(sweep_text('"training.loss.kappa" = { range = [2, 1], count = 3 }'), "rises")
-        self.assert_sweep_refused(sweep_text('"training.loss.kappa" = { log_range = [0.0, 1.0], count = 3 }'), "> 0")
-        self.assert_sweep_refused(sweep_text('"training.loss.kappa" = { range = [0.0, 1.0] }'), "count")
+        self.assert_sweep_refused(sweep_text('"training.loss.decay_rate" = { range = [2, 1], count = 3 }'), "rises")
+        self.assert_sweep_refused(sweep_text('"training.loss.decay_rate" = { log_range = [0.0, 1.0], count = 3 }'), "> 0")
+        self.assert_sweep_refused(sweep_text('"training.loss.decay_rate" = { range = [0.0, 1.0] }'), "count")
         self.assert_sweep_refused(sweep_text('"seed" = [1, 2]'), "seed", "elsewhere")
         self.assert_sweep_refused(sweep_text(design='"sobol"'), "points")
         self.assert_sweep_refused(sweep_text(design='"gird"'), "gird", "grid")
@@ -339,7 +339,7 @@ class BadInputTest(SweepTest):
     def test_another_sweep_in_the_folder(self):
         self.write(sweep_text(seeds="[0]"))
         self.sweep()
-        self.write(sweep_text('"training.loss.kappa" = [0.3]', seeds="[0]"))
+        self.write(sweep_text('"training.loss.decay_rate" = [0.3]', seeds="[0]"))
         self.assert_refused(self.call("sweep", self.path("sweep.toml"), "--out", self.path("out")), "another sweep")
 
 

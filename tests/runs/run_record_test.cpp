@@ -49,11 +49,11 @@ RunRecord unusual_record() {
     r.data.demonstrations.push_back(
         {.time = c.vector(samples), .position = c.points(samples, 2), .velocity = c.points(samples, 2)});
   }
-  r.problem = {.unsafe = "ball", .initial = "box", .containment = 0.97, .band = 0.01, .workspace = {}};
+  r.problem = {.unsafe = "ball", .initial = "box", .containment = 0.97, .level_band = 0.01, .workspace = {}};
   r.problem.workspace = {.lower = -c.vector(2), .upper = c.vector(2)};
   r.history = {
       {"round", c.vector(5)}, {"loss", c.vector(5)}, {"counterexamples_barrier_decrease", c.vector(5)}};
-  r.networks.f.head = Head::anchored;
+  r.networks.f.head = Head::zero_at_origin;
   r.networks.f.layers = {{.weight = c.points(4, 2), .bias = c.vector(4), .activation = Activation::tanh},
                          {.weight = c.points(2, 4), .bias = {}, .activation = Activation::identity}};
   r.networks.V.head = Head::squared_norm;
@@ -66,7 +66,7 @@ RunRecord unusual_record() {
   r.certificate.method = "conformal";
   r.certificate.weight_hash = weight_hash(r.networks);
   r.certificate.attempts = 3;
-  r.certificate.band = c.next();
+  r.certificate.level_band = c.next();
   r.certificate.disturbance_margin = c.next();
   r.certificate.convergence_radius = c.next();
   r.certificate.statement = "What holds.\nAnd where.";
@@ -118,7 +118,7 @@ RunRecord unusual_record() {
   return r;
 }
 
-void expect_equal(const LayerStack& a, const LayerStack& b) {
+void expect_equal(const NetworkWeights& a, const NetworkWeights& b) {
   EXPECT_EQ(a.head, b.head);
   EXPECT_EQ(a.quadratic, b.quadratic);
   ASSERT_EQ(a.layers.size(), b.layers.size());
@@ -172,7 +172,7 @@ TEST(RunRecord, EverythingComesBack) {
   EXPECT_EQ(a.problem.unsafe, b.problem.unsafe);
   EXPECT_EQ(a.problem.initial, b.problem.initial);
   EXPECT_EQ(a.problem.containment, b.problem.containment);
-  EXPECT_EQ(a.problem.band, b.problem.band);
+  EXPECT_EQ(a.problem.level_band, b.problem.level_band);
   EXPECT_EQ(a.problem.workspace.lower, b.problem.workspace.lower);
   EXPECT_EQ(a.problem.workspace.upper, b.problem.workspace.upper);
   EXPECT_EQ(a.history, b.history);

@@ -14,10 +14,10 @@ RunRecord record_with(const std::string& guarantee) {
   record.data.normalization.position_scale = 40.0;
   record.data.normalization.velocity_scale = 50.0;
   record.problem.containment = 0.985;
-  record.problem.band = 0.01;
+  record.problem.level_band = 0.01;
   record.problem.workspace = Box::cube(2, 1.25);
   record.certificate.guarantee = guarantee;
-  record.certificate.band = 0.01;
+  record.certificate.level_band = 0.01;
   return record;
 }
 

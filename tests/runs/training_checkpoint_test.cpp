@@ -15,7 +15,7 @@ TEST(TrainingCheckpoint, KeepsWhatEachRoundFound) {
     row.round = static_cast<std::int64_t>(k);
     row.counts.fill(7 * row.round);
     row.first_found = 5 * row.round;
-    row.stage = k == 2 ? Stage::growth : Stage::polish;
+    row.stage = k == 2 ? Stage::enlarge : Stage::imitation_finetune;
   }
   RunRecord record;
   record.data.dimension = 2;

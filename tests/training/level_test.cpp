@@ -5,7 +5,7 @@
 namespace s2nnds {
 namespace {
 
-LayerStack affine(const Points& weight, const Vector& bias) {
+NetworkWeights affine(const Points& weight, const Vector& bias) {
   return {.layers = {{.weight = weight, .bias = bias, .activation = Activation::identity}}};
 }
 
@@ -18,16 +18,16 @@ SafetyProblem problem_with_edge(double edge) {
   return problem;
 }
 
-Networks networks_with(const LayerStack& f) {
+Networks networks_with(const NetworkWeights& f) {
   return {f, affine(Points{{1.0, 0.0}}, Vector{{0.0}}), affine(Points{{1.0, 0.0}}, Vector{{-0.2}})};
 }
 
-std::optional<double> largest(const LayerStack& f, double edge, const LevelOptions& options = {}) {
+std::optional<double> largest(const NetworkWeights& f, double edge, const LevelOptions& options = {}) {
   RandomStream random(3, "level");
   return LevelChoice(problem_with_edge(edge), options).largest(networks_with(f), random);
 }
 
-const LayerStack to_the_left = affine(Points::Zero(2, 2), Vector{{-1.0, 0.0}});
+const NetworkWeights to_the_left = affine(Points::Zero(2, 2), Vector{{-1.0, 0.0}});
 
 TEST(Level, StopsAtTheObstacle) {
   const auto c = largest(to_the_left, 0.25);

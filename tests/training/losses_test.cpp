@@ -49,8 +49,8 @@ Result run(const Case& c, Engine engine) {
   Modules modules = make(c, engine);
   LossOptions options;
   options.kind = c.loss;
-  options.deflection = 0.7;
-  options.margin_deflection = 0.3;
+  options.obstacle_normal = 0.7;
+  options.margin_obstacle_normal = 0.3;
   const LossTerms terms = JointLoss(modules, options)(draw(c));
   terms.total.backward();
   return {
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(All, Engines, testing::ValuesIn(cases()), [](const auto
 TEST(JointLoss, OfTheBarrierAloneHasTheSameGradientInB) {
   const Case c{"tanh", 2, "robust", torch::kFloat32};
   LossOptions options;
-  options.mse = options.lyapunov = 0.0;
+  options.imitation = options.lyapunov = 0.0;
   std::vector<torch::Tensor> of_B;
   for (const Trains trains : {Trains::all, Trains::barrier}) {
     Modules modules = make(c, Engine::fused);
@@ -136,11 +136,11 @@ TEST(RobustLoss, DeflectionIsWhatTheNormalVelocityLacks) {
     batch.boundary = torch::tensor({{1.0, 0.3}, {-0.2, -1.0}}, c.dtype);
     batch.normal = torch::tensor({{1.0, 0.0}, {0.0, -1.0}}, c.dtype);
     LossOptions o;
-    o.deflection = 2.0;
-    o.margin_deflection = 0.3;
-    EXPECT_NEAR(JointLoss(modules, o)(batch).deflection.item<double>(), 2.0 * 0.3, 1e-12);
+    o.obstacle_normal = 2.0;
+    o.margin_obstacle_normal = 0.3;
+    EXPECT_NEAR(JointLoss(modules, o)(batch).obstacle_normal.item<double>(), 2.0 * 0.3, 1e-12);
     batch.boundary = batch.normal = torch::Tensor();
-    EXPECT_EQ(JointLoss(modules, o)(batch).deflection.item<double>(), 0.0);
+    EXPECT_EQ(JointLoss(modules, o)(batch).obstacle_normal.item<double>(), 0.0);
   }
 }
 
@@ -161,12 +161,12 @@ TEST(PaperLoss, MatchesTheFormulas) {
   o.margin_decrease = 0.03;
   o.margin_initial = 0.02;
   o.margin_unsafe = 0.05;
-  o.margin_band = 0.04;
+  o.margin_barrier_decrease = 0.04;
   o.leak = 0.1;
   const LossTerms terms = JointLoss(modules, o)(draw(c));
   EXPECT_NEAR(terms.lyapunov.item<double>(), o.lyapunov * (0.01 + 0.1 * -0.03), 1e-12);
-  EXPECT_NEAR(terms.separation.item<double>(), o.separation * (0.72 + 0.1 * -0.65), 1e-12);
-  EXPECT_NEAR(terms.band.item<double>(), o.band * (0.1 * -0.04), 1e-12);
+  EXPECT_NEAR(terms.barrier_sets.item<double>(), o.barrier_sets * (0.72 + 0.1 * -0.65), 1e-12);
+  EXPECT_NEAR(terms.barrier_decrease.item<double>(), o.barrier_decrease * (0.1 * -0.04), 1e-12);
 }
 
 }  // namespace

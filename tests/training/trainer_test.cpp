@@ -36,7 +36,7 @@ struct Fixture {
     options.rounds = 4;
     options.min_rounds = 4;
     options.steps = 20;
-    options.label_points = 200;
+    options.rollout_points = 200;
     options.samples = 2000;
   }
 
@@ -44,7 +44,7 @@ struct Fixture {
     Trainer made(problem, demonstrations, networks, options, seed);
     made.add_source(std::make_shared<RandomFalsifier>(problem, FalsifierOptions{options.samples, 100}));
     made.set_rollout_labels(
-        [this](const LayerStack& f, const Points& x) { return rollout_is_safe(f, problem, x); });
+        [this](const NetworkWeights& f, const Points& x) { return rollout_is_safe(f, problem, x); });
     return made;
   }
 };
@@ -103,11 +103,11 @@ class ScriptedSource : public CounterexampleSource {
 TEST(Trainer, PolishesThenLetsBGrowAndKeepsOnlyCleanRounds) {
   Fixture fixture;
   fixture.options.min_rounds = 2;
-  fixture.options.polish_rounds = 2;
-  fixture.options.growth_rounds = 3;
+  fixture.options.imitation_finetune_rounds = 2;
+  fixture.options.enlarge_rounds = 3;
   Trainer trainer(fixture.problem, fixture.demonstrations, fixture.networks, fixture.options, 5);
   trainer.set_rollout_labels(
-      [&](const LayerStack& f, const Points& x) { return rollout_is_safe(f, fixture.problem, x); });
+      [&](const NetworkWeights& f, const Points& x) { return rollout_is_safe(f, fixture.problem, x); });
   trainer.add_source(std::make_shared<ScriptedSource>(std::set<std::int64_t>{1, 3, 5}));
   std::vector<Networks> after;
   std::vector<Stage> stages;
@@ -118,11 +118,12 @@ TEST(Trainer, PolishesThenLetsBGrowAndKeepsOnlyCleanRounds) {
   });
   const TrainerSummary summary = trainer.run();
   EXPECT_TRUE(summary.clean);
-  EXPECT_EQ(stages, (std::vector<Stage>{Stage::search, Stage::search, Stage::search, Stage::polish,
-                                        Stage::polish, Stage::growth, Stage::growth, Stage::growth}));
-  const auto hash = [](const LayerStack& stack) { return weight_hash({stack, stack, stack}); };
+  EXPECT_EQ(stages,
+            (std::vector<Stage>{Stage::search, Stage::search, Stage::search, Stage::imitation_finetune,
+                                Stage::imitation_finetune, Stage::enlarge, Stage::enlarge, Stage::enlarge}));
+  const auto hash = [](const NetworkWeights& stack) { return weight_hash({stack, stack, stack}); };
   EXPECT_EQ(weight_hash(after[3]), weight_hash(after[2])) << "round 3 was not clean";
-  for (LayerStack Networks::*network : {&Networks::f, &Networks::V, &Networks::B})
+  for (NetworkWeights Networks::*network : {&Networks::f, &Networks::V, &Networks::B})
     EXPECT_NE(hash(after[4].*network), hash(after[3].*network));
   for (std::size_t round : {5, 6, 7}) {
     EXPECT_EQ(hash(after[round].f), hash(after[4].f));
@@ -138,9 +139,9 @@ TEST(Trainer, MendsAfterNearlyCleanRoundsSoManyInARow) {
   Fixture fixture;
   fixture.options.rounds = 7;
   fixture.options.min_rounds = 2;
-  fixture.options.mend_rounds = 2;
-  fixture.options.mend_below = 2;  // the source finds one in every round
-  fixture.options.mend_rate = 1e-12;
+  fixture.options.refine_rounds = 2;
+  fixture.options.refine_below = 2;  // the source finds one in every round
+  fixture.options.refine_rate = 1e-12;
   Trainer trainer(fixture.problem, fixture.demonstrations, fixture.networks, fixture.options, 5);
   trainer.add_source(std::make_shared<ScriptedSource>(std::set<std::int64_t>{1, 2, 3, 4, 5, 6, 7}));
   std::vector<std::string> hash;
@@ -157,7 +158,7 @@ TEST(Trainer, MendsAfterNearlyCleanRoundsSoManyInARow) {
 TEST(Trainer, DrawsBAnewWhenTheRatesStartAnew) {
   Fixture fixture;
   fixture.options.rate_period = 2;
-  fixture.options.level_reach = 0.0;
+  fixture.options.max_level_shift = 0.0;
   fixture.options.rate_f = fixture.options.rate_certificates = 1e-9;  // nothing else changes a weight
   fixture.options.weight_decay = 0.0;
   std::vector<Networks> rounds;
@@ -167,7 +168,7 @@ TEST(Trainer, DrawsBAnewWhenTheRatesStartAnew) {
     return true;
   });
   trainer.run();
-  const auto moved = [&](std::size_t round, LayerStack Networks::*network) {
+  const auto moved = [&](std::size_t round, NetworkWeights Networks::*network) {
     return ((rounds[round].*network).layers[0].weight - (rounds[round - 1].*network).layers[0].weight).norm();
   };
   ASSERT_EQ(rounds.size(), 5U);  // warm start and four rounds
@@ -184,11 +185,11 @@ TEST(Trainer, DemonstrationsAndLabelsWeighLessWithEveryRestart) {
   TrainerOptions& options = fixture.options;
   options.rounds = options.min_rounds = 6;
   options.rate_period = 2;
-  options.mend_rounds = 0;
+  options.refine_rounds = 0;
   options.restart_mse = 0.25;
-  options.restart_labels = 0.0;
-  options.loss.deflection = 1.0;
-  options.loss.margin_deflection = 2.0;
+  options.restart_rollout_safety = 0.0;
+  options.loss.obstacle_normal = 1.0;
+  options.loss.margin_obstacle_normal = 2.0;
   Trainer trainer = fixture.trainer(5);
   trainer.run();
   const std::vector<RoundSummary> history = trainer.state().history;
@@ -196,12 +197,12 @@ TEST(Trainer, DemonstrationsAndLabelsWeighLessWithEveryRestart) {
   for (std::size_t round : {1, 2, 3, 4, 5, 6}) {
     const RoundSummary& row = history[round];
     const int restarts = static_cast<int>(round - 1) / 2;
-    const double others =
-        row.lyapunov + row.separation + row.band + row.labels + row.deflection;  // with their weights
-    const double expected = std::pow(0.25, restarts) * options.loss.mse * row.mse + others;
+    const double others = row.lyapunov + row.barrier_sets + row.barrier_decrease + row.rollout_safety +
+                          row.obstacle_normal;  // with their weights
+    const double expected = std::pow(0.25, restarts) * options.loss.imitation * row.mse + others;
     EXPECT_NEAR(row.loss, expected, 1e-4 * row.loss) << round;
-    EXPECT_EQ(row.labels == 0.0, restarts > 0) << round;
-    EXPECT_EQ(row.deflection == 0.0, restarts > 0) << round;
+    EXPECT_EQ(row.rollout_safety == 0.0, restarts > 0) << round;
+    EXPECT_EQ(row.obstacle_normal == 0.0, restarts > 0) << round;
   }
 }
 
@@ -260,7 +261,8 @@ TEST(BatchSampler, LeavesOutSamplesNearTheObstacleAndOnlyThose) {
   const Points all = stack_positions(fixture.demonstrations);
   Eigen::Index far = 0;
   for (Eigen::Index i = 0; i < all.rows(); ++i)
-    far += (all.row(i).transpose() - through).norm() > 0.05 + 0.15;  // twice keep_clear per axis, to a corner
+    far += (all.row(i).transpose() - through).norm() >
+           0.05 + 0.15;  // twice obstacle_margin per axis, to a corner
   EXPECT_GE(kept.rows(), far);
 }
 
@@ -291,8 +293,8 @@ TEST(BatchSampler, DrawsEverySetFromItself) {
   EXPECT_LE(batch.workspace.cwiseAbs().maxCoeff(), 1.25);
   EXPECT_LE(fixture.problem.initial->level(batch.initial).maxCoeff(), 0.0);
   const Vector in_ball = fixture.problem.unsafe->level(batch.unsafe),
-               in_shell = fixture.problem.shell->level(batch.unsafe);
-  EXPECT_LE(in_ball.cwiseMin(in_shell).maxCoeff(), 0.0);
+               in_workspace_margin = fixture.problem.workspace_margin->level(batch.unsafe);
+  EXPECT_LE(in_ball.cwiseMin(in_workspace_margin).maxCoeff(), 0.0);
   EXPECT_EQ(batch.boundary.rows(), fixture.options.batch.boundary);
   EXPECT_LT(fixture.problem.unsafe->level(batch.boundary).cwiseAbs().maxCoeff(), 1e-9);
 }
@@ -302,13 +304,14 @@ TEST(BatchSampler, DrawsRepairsBesideDemonstrationsAndLabels) {
   const BatchOptions& options = fixture.options.batch;
   BatchSampler sampler(fixture.problem, fixture.demonstrations, options, 0.0);
   sampler.set_labels(Points::Constant(3, 2, 0.1), Points::Constant(3, 2, 0.2));
-  sampler.set_repairs(
+  sampler.set_backtracked(
       {Points::Constant(5, 2, 0.3), Points::Constant(7, 2, 0.4), Points::Constant(7, 2, -0.5)});
   RandomStream random(1, "batch test");
   const Batch with = sampler.draw(random);
-  ASSERT_EQ(with.doomed.rows(), options.labels / 2 + options.upstream);
-  EXPECT_EQ((with.doomed.topRows(options.labels / 2).array() == 0.2).count(), options.labels);
-  EXPECT_EQ((with.doomed.bottomRows(options.upstream).array() == 0.3).count(), 2 * options.upstream);
+  ASSERT_EQ(with.unsafe_rollouts.rows(), options.labels / 2 + options.upstream);
+  EXPECT_EQ((with.unsafe_rollouts.topRows(options.labels / 2).array() == 0.2).count(),
+            options.labels);
+  EXPECT_EQ((with.unsafe_rollouts.bottomRows(options.upstream).array() == 0.3).count(), 2 * options.upstream);
   ASSERT_EQ(with.position.rows(), options.demonstrations + options.corrections);
   ASSERT_EQ(with.velocity.rows(), with.position.rows());
   EXPECT_EQ((with.position.bottomRows(options.corrections).array() == 0.4).count(), 2 * options.corrections);
@@ -316,9 +319,9 @@ TEST(BatchSampler, DrawsRepairsBesideDemonstrationsAndLabels) {
   EXPECT_EQ(with.safe.rows(), options.labels / 2);
 
   const Points none(0, 2);
-  sampler.set_repairs({none, none, none});
+  sampler.set_backtracked({none, none, none});
   const Batch without = sampler.draw(random);
-  EXPECT_EQ(without.doomed.rows(), options.labels / 2);
+  EXPECT_EQ(without.unsafe_rollouts.rows(), options.labels / 2);
   EXPECT_EQ(without.position.rows(), options.demonstrations);
 }
 

@@ -10,13 +10,13 @@
 namespace s2nnds {
 namespace {
 
-LayerStack linear(const Points& weight, double bias) {
+NetworkWeights linear(const Points& weight, double bias) {
   return {
       .layers = {{.weight = weight, .bias = Vector::Constant(1, bias), .activation = Activation::identity}}};
 }
 
 // A barrier whose zero set bends, on [-1, 1]^2.
-LayerStack curved() {
+NetworkWeights curved() {
   RandomStream random(5, "test");
   Layer hidden{.weight = Points(12, 2), .bias = Vector(12), .activation = Activation::tanh};
   Layer output{.weight = Points(1, 12), .bias = Vector::Constant(1, 0.1), .activation = Activation::identity};
@@ -48,7 +48,7 @@ TEST(BandSampler, TheCoverIsTight) {
 
 // Plain rejection from the whole box has the law that the sampler must have: the shares of 64 cells agree.
 TEST(BandSampler, LeavesNoPartOfACurvedBandOut) {
-  const LayerStack B = curved();
+  const NetworkWeights B = curved();
   const double band = 0.05;
   const BandSampler sampler(B, Box::cube(2, 1.0), band);
   RandomStream random(2, "test");

@@ -57,7 +57,7 @@ Certificate full_certificate() {
   certificate.method = "proof";
   certificate.weight_hash = "ab12";
   certificate.attempts = 3;
-  certificate.band = 0.05;
+  certificate.level_band = 0.05;
   certificate.disturbance_margin = 0.01;
   certificate.convergence_radius = 0.125;
   certificate.statement = "What holds.";

@@ -100,7 +100,7 @@ TEST(BetaOfAttempt, AllAttemptsSpendBetaOnce) {
   EXPECT_THROW(beta_of_attempt(0.01, 0), Error);
 }
 
-LayerStack linear(const Points& weight, const Vector& bias = {}) {
+NetworkWeights linear(const Points& weight, const Vector& bias = {}) {
   return {.layers = {{.weight = weight, .bias = bias, .activation = Activation::identity}}};
 }
 
@@ -135,7 +135,7 @@ const SampledOptions kFewSamples{.samples = 20000};
 
 TEST(VerifyConformal, PassesAGoodSystem) {
   const auto verdicts = verify_conformal(good_networks(), good_problem(), kBand, kQuick, 1, 1);
-  EXPECT_EQ(verdicts.size(), 5U);  // no shell, no containment
+  EXPECT_EQ(verdicts.size(), 5U);  // no margin, no containment
   for (const ConditionVerdict& verdict : verdicts) {
     EXPECT_EQ(verdict.verdict, "passed") << verdict.condition;
     EXPECT_EQ(verdict.method, "conformal");
@@ -214,10 +214,10 @@ TEST(VerifyConformal, ABandThatCannotBeSampledFails) {
 TEST(VerifyConformal, RegionsThatDoNotExistGetNoVerdict) {
   SafetyProblem problem = good_problem();
   problem.unsafe = empty_region(2);
-  problem.shell = complement(box_region(Box::cube(2, 0.97)));
+  problem.workspace_margin = complement(box_region(Box::cube(2, 0.97)));
   const auto verdicts = by_condition(verify_conformal(good_networks(), problem, kBand, kQuick, 1, 1));
   EXPECT_EQ(verdicts.count("unsafe"), 0U);
-  EXPECT_EQ(verdicts.at("containment").verdict, "failed");  // B < 0 on most of the shell
+  EXPECT_EQ(verdicts.at("containment").verdict, "failed");  // B < 0 on most of the workspace margin
 }
 
 TEST(VerifyConformal, EachAttemptDrawsAnewAndSpendsLess) {

@@ -88,7 +88,7 @@ TEST(DisturbanceMargin, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one.margin, two.margin);
 }
 
-Eigen::VectorXf in_float32(const LayerStack& stack, Eigen::VectorXf x) {
+Eigen::VectorXf in_float32(const NetworkWeights& stack, Eigen::VectorXf x) {
   for (const Layer& layer : stack.layers) {
     Eigen::VectorXf z = Eigen::VectorXf::Zero(layer.weight.rows());
     for (Eigen::Index i = 0; i < z.size(); ++i) {
@@ -106,7 +106,7 @@ Eigen::VectorXf in_float32(const LayerStack& stack, Eigen::VectorXf x) {
 TEST(Float32Error, BoundsTheErrorWithoutLosingSight) {
   RandomStream random(1, "float32");
   for (Activation activation : {Activation::tanh, Activation::elu}) {
-    const LayerStack f = random_stack({2, 32, 32, 2}, activation, Head::anchored, random, 1.0);
+    const NetworkWeights f = random_stack({2, 32, 32, 2}, activation, Head::zero_at_origin, random, 1.0);
     const double bound = float32_error(f, Box::cube(2, 1.25));
     double largest = 0.0;
     for (int i = 0; i < 20000; ++i) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "s2nnds/core/random.h"
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
 
@@ -56,7 +56,7 @@ inline Exact exact_slope(Activation activation, const Exact& z) {
 struct ExactValue {
   ExactVector value, rate;
 };
-inline ExactValue exact_layers(const LayerStack& stack, ExactVector x, ExactVector direction) {
+inline ExactValue exact_layers(const NetworkWeights& stack, ExactVector x, ExactVector direction) {
   for (const Layer& layer : stack.layers) {
     ExactVector value, rate;
     for (Eigen::Index i = 0; i < layer.weight.rows(); ++i) {
@@ -73,12 +73,13 @@ inline ExactValue exact_layers(const LayerStack& stack, ExactVector x, ExactVect
   }
   return {x, direction};
 }
-inline ExactValue exact_network(const LayerStack& stack, const ExactVector& x, const ExactVector& direction) {
+inline ExactValue exact_network(const NetworkWeights& stack, const ExactVector& x,
+                                const ExactVector& direction) {
   ExactValue y = exact_layers(stack, x, direction);
   if (stack.head == Head::plain) return y;
   const ExactValue origin = exact_layers(stack, ExactVector(x.size(), 0), ExactVector(x.size(), 0));
   for (std::size_t i = 0; i < y.value.size(); ++i) y.value[i] -= origin.value[i];
-  if (stack.head == Head::anchored) return y;
+  if (stack.head == Head::zero_at_origin) return y;
   Exact norm = 0, rate = 0;
   for (std::size_t i = 0; i < y.value.size(); ++i) {
     norm += y.value[i] * y.value[i];
@@ -92,9 +93,9 @@ inline ExactValue exact_network(const LayerStack& stack, const ExactVector& x, c
 }
 
 // Weights of the size that training leaves behind: N(0, gain^2 / inputs), biases N(0, 1/4).
-inline LayerStack random_stack(const std::vector<Eigen::Index>& widths, Activation activation, Head head,
-                               RandomStream& random, double gain = 1.5) {
-  LayerStack stack;
+inline NetworkWeights random_stack(const std::vector<Eigen::Index>& widths, Activation activation, Head head,
+                                   RandomStream& random, double gain = 1.5) {
+  NetworkWeights stack;
   stack.head = head;
   stack.quadratic = head == Head::squared_norm ? 0.05 : 0.0;
   for (std::size_t k = 0; k + 1 < widths.size(); ++k) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/safety_problem.h"
 
 // A system in the plane whose conditions are known to hold.
@@ -11,17 +11,17 @@ inline Layer layer(const Points& weight, const Vector& bias, Activation activati
 }
 
 // xdot = A x.
-inline LayerStack linear_field(const Points& a) {
-  LayerStack f;
+inline NetworkWeights linear_field(const Points& a) {
+  NetworkWeights f;
   f.layers = {layer(a, Vector(), Activation::identity)};
-  f.head = Head::anchored;
+  f.head = Head::zero_at_origin;
   return f;
 }
-inline LayerStack stable_field() { return linear_field(-Points::Identity(2, 2)); }
+inline NetworkWeights stable_field() { return linear_field(-Points::Identity(2, 2)); }
 
 // |x|^2 + 0.05 |x|^2.
-inline LayerStack quadratic_lyapunov() {
-  LayerStack v;
+inline NetworkWeights quadratic_lyapunov() {
+  NetworkWeights v;
   v.layers = {layer(Points::Identity(2, 2), Vector(), Activation::identity)};
   v.head = Head::squared_norm;
   v.quadratic = 0.05;
@@ -32,7 +32,7 @@ inline constexpr double barrier_edge = 0.8, barrier_gain = 4.0, barrier_level = 
 
 // tanh(sum_i [2 + tanh(g (x_i - e)) - tanh(g (x_i + e))] - level): negative on a rounded square, and along -x
 // its derivative is negative everywhere but at 0.
-inline LayerStack square_barrier() {
+inline NetworkWeights square_barrier() {
   Points inner = Points::Zero(4, 2), outer(1, 4);
   Vector shift(4);
   for (int i = 0; i < 2; ++i) {
@@ -42,7 +42,7 @@ inline LayerStack square_barrier() {
     outer(0, 2 * i) = 1.0;
     outer(0, 2 * i + 1) = -1.0;
   }
-  LayerStack b;
+  NetworkWeights b;
   b.layers = {layer(inner, shift, Activation::tanh),
               layer(outer, Vector::Constant(1, 4.0 - barrier_level), Activation::tanh),
               layer(Points::Identity(1, 1), Vector(), Activation::identity)};
@@ -54,7 +54,7 @@ inline SafetyProblem simple_problem() {
   problem.workspace = Box::cube(2, 1.25);
   problem.initial = ball((Vector(2) << 0.3, -0.2).finished(), 0.2);
   problem.unsafe = ball((Vector(2) << 1.05, 1.05).finished(), 0.1);
-  problem.shell = complement(box_region(Box::cube(2, 0.97 * 1.25)));
+  problem.workspace_margin = complement(box_region(Box::cube(2, 0.97 * 1.25)));
   return problem;
 }
 

@@ -110,7 +110,7 @@ TEST(PolynomialFunction, RemaindersShrinkWithTheCubeOfTheBox) {
 TEST(PolynomialFunction, ComposesWithNetworks) {
   RandomStream random(3, "mixed");
   for (int k = 0; k < 40; ++k) {
-    const LayerStack stack = random_stack({2, 5, 5, 2}, Activation::tanh, Head::anchored, random);
+    const NetworkWeights stack = random_stack({2, 5, 5, 2}, Activation::tanh, Head::zero_at_origin, random);
     const NetworkFunction f(stack);
     const Polynomial p = random_polynomial(2, random);
     const PolynomialFunction y({p});

@@ -16,9 +16,9 @@ namespace {
 
 // Adds height * bump(x) to output `row` of a network whose layers are tanh, tanh, identity: bump is about 1
 // on the square of half-width `half` around `center` and 0 outside.
-LayerStack with_bump(const LayerStack& stack, Eigen::Index row, double cx, double cy, double half,
-                     double height) {
-  LayerStack result = stack;
+NetworkWeights with_bump(const NetworkWeights& stack, Eigen::Index row, double cx, double cy, double half,
+                         double height) {
+  NetworkWeights result = stack;
   const double gain = 4.0 / half;
   Layer &first = result.layers[0], &second = result.layers[1], &last = result.layers[2];
   const Eigen::Index a = first.weight.rows(), b = second.weight.rows();
@@ -46,13 +46,13 @@ LayerStack with_bump(const LayerStack& stack, Eigen::Index row, double cx, doubl
 }
 
 // -x in effect, with the layers with_bump wants: -20 tanh(tanh(x / 20)).
-LayerStack soft_stable_field() {
+NetworkWeights soft_stable_field() {
   const Points identity = Points::Identity(2, 2);
-  LayerStack f;
+  NetworkWeights f;
   f.layers = {layer(0.05 * identity, Vector::Zero(2), Activation::tanh),
               layer(identity, Vector::Zero(2), Activation::tanh),
               layer(-20.0 * identity, Vector::Zero(2), Activation::identity)};
-  f.head = Head::anchored;
+  f.head = Head::zero_at_origin;
   return f;
 }
 
@@ -142,9 +142,9 @@ TEST(Prover, SeesAViolationOnlyAtTheWorkspacesEdge) {
   result = prove(networks, simple_problem(), 0.01, quick());
   EXPECT_TRUE(result[Condition::lyapunov_decrease].is_proved());
 
-  // {B <= 0} reaching the boundary at one spot, without a shell.
+  // {B <= 0} reaching the boundary at one spot, without a margin.
   SafetyProblem open_problem = simple_problem();
-  open_problem.shell = nullptr;
+  open_problem.workspace_margin = nullptr;
   networks = simple_networks();
   EXPECT_EQ(prove(networks, open_problem, 0.01, quick()).guarantee, Guarantee::invariant);
   networks.B = with_bump(networks.B, 0, -0.4, -1.25, 1e-5, -3.0);
@@ -211,7 +211,7 @@ TEST(Prover, NotANumberIsNeverProved) {
 TEST(Prover, DoesNotDependOnTheNumberOfThreads) {
   RandomStream random(4, "threads");
   for (int k = 0; k < 3; ++k) {
-    Networks networks = {random_stack({2, 12, 12, 2}, Activation::tanh, Head::anchored, random),
+    Networks networks = {random_stack({2, 12, 12, 2}, Activation::tanh, Head::zero_at_origin, random),
                          random_stack({2, 12, 8}, Activation::tanh, Head::squared_norm, random),
                          random_stack({2, 12, 12, 1}, Activation::tanh, Head::plain, random)};
     ProofOptions options = ProofOptions::fail_fast();
@@ -269,7 +269,7 @@ TEST(Prover, RejectsWhatDoesNotFit) {
 }
 
 // Ascends the residual from the worst points of a grid; what it finds must never have been called proved.
-double largest_residual(const Networks& networks, const SafetyProblem& problem, double band,
+double largest_residual(const Networks& networks, const SafetyProblem& problem, double level_band,
                         Condition condition) {
   const int side = 80;
   Points x(side * side, 2);
@@ -279,14 +279,14 @@ double largest_residual(const Networks& networks, const SafetyProblem& problem, 
   }
   const auto column = static_cast<Eigen::Index>(condition);
   Eigen::Index at = 0;
-  double best = residuals(networks, problem, band, x).col(column).maxCoeff(&at);
+  double best = residuals(networks, problem, level_band, x).col(column).maxCoeff(&at);
   Points point = x.row(at);
   for (double step = 0.02; step > 1e-6; step *= 0.7) {
     Points around = point.replicate(8, 1);
     for (int k = 0; k < 8; ++k)
       around.row(k) += step * Eigen::RowVector2d(std::cos(k * M_PI / 4), std::sin(k * M_PI / 4));
     around = around.cwiseMax(-1.25).cwiseMin(1.25);
-    const double found = residuals(networks, problem, band, around).col(column).maxCoeff(&at);
+    const double found = residuals(networks, problem, level_band, around).col(column).maxCoeff(&at);
     if (found > best) {
       best = found;
       point = around.row(at);
@@ -302,7 +302,7 @@ TEST(Prover, NeverProvesMutatedNetworksThatASearchRefutes) {
   for (int k = 0; k < 30; ++k) {
     Networks networks = {soft_stable_field(), quadratic_lyapunov(), square_barrier()};
     const double noise = 0.02 * std::pow(1.16, k);
-    for (LayerStack* stack : {&networks.f, &networks.V, &networks.B}) {
+    for (NetworkWeights* stack : {&networks.f, &networks.V, &networks.B}) {
       for (Layer& each : stack->layers) {
         for (double& w : each.weight.reshaped()) w *= 1.0 + noise * random.normal();
         for (double& b : each.bias) b += 0.1 * noise * random.normal();

@@ -167,10 +167,11 @@ void expect_networks_to_hold(int networks, int points, RandomStream& random) {
   for (int k = 0; k < networks; ++k) {
     const Activation activation = curved[k % 5];
     const Eigen::Index n = 1 + static_cast<Eigen::Index>(random.below(3)), width = 3 + random.below(4);
-    const LayerStack f = random_stack({n, width, n}, curved[random.below(5)], Head::anchored, random);
+    const NetworkWeights f =
+        random_stack({n, width, n}, curved[random.below(5)], Head::zero_at_origin, random);
     const bool norm = random.below(2) == 0;
-    const LayerStack y = norm ? random_stack({n, width, width, 3}, activation, Head::squared_norm, random)
-                              : random_stack({n, width, width, 1}, activation, Head::plain, random);
+    const NetworkWeights y = norm ? random_stack({n, width, width, 3}, activation, Head::squared_norm, random)
+                                  : random_stack({n, width, width, 1}, activation, Head::plain, random);
     const NetworkFunction field(f), function(y);
     ScalarEnclosure enclosure(function, &field);
     const RandomBoxes boxes(n, 1e-7, 0.5, random);
@@ -205,8 +206,8 @@ TEST(TaylorModel, DISABLED_HoldsTheExactNetworkAtAMillionPoints) {
 TEST(TaylorModel, VectorFieldModelsHoldTheExactField) {
   RandomStream random(6, "models");
   for (int k = 0; k < 60; ++k) {
-    const LayerStack f =
-        random_stack({2, 5, 5, 2}, curved[k % 5], k % 2 == 0 ? Head::anchored : Head::plain, random);
+    const NetworkWeights f =
+        random_stack({2, 5, 5, 2}, curved[k % 5], k % 2 == 0 ? Head::zero_at_origin : Head::plain, random);
     const NetworkFunction field(f);
     const RandomBoxes boxes(2, 1e-6, 0.5, random);
     BoxTile tile(2);
@@ -237,8 +238,8 @@ TEST(TaylorModel, VectorFieldModelsHoldTheExactField) {
 TEST(TaylorModel, ExcessShrinksQuadratically) {
   RandomStream random(7, "tightness");
   for (Activation activation : {Activation::tanh, Activation::softplus, Activation::silu, Activation::sine}) {
-    const LayerStack f = random_stack({2, 16, 16, 2}, activation, Head::anchored, random);
-    const LayerStack v = random_stack({2, 16, 16, 8}, activation, Head::squared_norm, random);
+    const NetworkWeights f = random_stack({2, 16, 16, 2}, activation, Head::zero_at_origin, random);
+    const NetworkWeights v = random_stack({2, 16, 16, 8}, activation, Head::squared_norm, random);
     const NetworkFunction field(f), function(v);
     ScalarEnclosure enclosure(function, &field);
     double previous = 0.0, previous_remainder = 0.0;
@@ -275,8 +276,8 @@ TEST(TaylorModel, ExcessShrinksQuadratically) {
 // A point costs only rounding errors.
 TEST(TaylorModel, PointsAreEvaluatedToRounding) {
   RandomStream random(8, "points");
-  const LayerStack f = random_stack({2, 64, 64, 64, 2}, Activation::tanh, Head::anchored, random);
-  const LayerStack v = random_stack({2, 64, 64, 32}, Activation::tanh, Head::squared_norm, random);
+  const NetworkWeights f = random_stack({2, 64, 64, 64, 2}, Activation::tanh, Head::zero_at_origin, random);
+  const NetworkWeights v = random_stack({2, 64, 64, 32}, Activation::tanh, Head::squared_norm, random);
   const NetworkFunction field(f), function(v);
   ScalarEnclosure enclosure(function, &field);
   const Points point = (Points(1, 2) << 0.7, -0.2).finished();

@@ -2,33 +2,34 @@
 
 #include <vector>
 
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/safety_problem.h"
 
 namespace s2nnds {
 
 // What a round trains besides, where motions entered {B > 0}.
-struct Repairs {
+struct Backtracked {
   Points upstream;            // [k, n]: B should be positive here
   Points position, velocity;  // [m, n]: what f should do there
 };
 
-struct RepairOptions {
+struct BacktrackOptions {
   std::int64_t motions = 64;  // followed back, at most
-  double band = 1e-3;         // |B| at their ends, at most
+  double level_band = 1e-3;   // |B| at their ends, at most
   double gain = 0.5;          // towards the nearest demonstration sample, 1 / normalised time
 };
 
 // The motions of xdot = f(x) that come to `ends` [N, n], one a row, followed back until they leave the box,
 // or for twice its diagonal: [M, n] each, the end first, `spacing` apart. Midpoint rule on f / |f|, in float:
 // for training.
-std::vector<Points> motions_to(const LayerStack& f, const Points& ends, const Box& within, double spacing);
+std::vector<Points> motions_to(const NetworkWeights& f, const Points& ends, const Box& within,
+                               double spacing);
 
-// Of `counterexamples` [N, n] the last ones at which Bdot >= 0 and |B| < band are taken, and the motions that
+// Of `counterexamples` [N, n] the last ones at which Bdot >= 0 and |B| < level_band are taken, and the motions that
 // come to them. One that passes X0 must be led elsewhere: f is to have the velocity of the nearest
 // demonstration sample (`position`, `velocity` [K, n]) plus gain times the way to it. The motions of the
 // others end in {B > 0}, so B must be positive all along them, up to the edge of the workspace.
-Repairs repairs(const Networks& networks, const SafetyProblem& problem, const Points& counterexamples,
-                const Points& position, const Points& velocity, const RepairOptions& options);
+Backtracked backtrack(const Networks& networks, const SafetyProblem& problem, const Points& counterexamples,
+                      const Points& position, const Points& velocity, const BacktrackOptions& options);
 
 }  // namespace s2nnds

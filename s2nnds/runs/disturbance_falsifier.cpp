@@ -1,4 +1,4 @@
-#include "s2nnds/runs/float32_source.h"
+#include "s2nnds/runs/disturbance_falsifier.h"
 
 #include <algorithm>
 
@@ -11,15 +11,15 @@ constexpr double kRoom = 1.1;
 
 }  // namespace
 
-double Float32Source::error_of(const Networks& networks, const Box& workspace) {
+double DisturbanceFalsifier::error_of(const Networks& networks, const Box& workspace) {
   const std::string field = weight_hash({networks.f, {}, {}});
   if (field != field_) error_ = float32_error(networks.f, workspace);
   field_ = field;
   return error_;
 }
 
-Counterexamples Float32Source::find(const Networks& networks, const SafetyProblem& problem, double,
-                                    std::uint64_t seed, std::int64_t round) {
+Counterexamples DisturbanceFalsifier::find(const Networks& networks, const SafetyProblem& problem, double,
+                                           std::uint64_t seed, std::int64_t round) {
   const BranchResult result = prove_under_disturbance(
       ProofFunctions::of(networks), problem, kRoom * error_of(networks, problem.workspace), keep_, options_);
   RandomStream random(seed, "float32 source", round);

@@ -1,4 +1,4 @@
-#include "s2nnds/networks/layer_stack.h"
+#include "s2nnds/networks/network_weights.h"
 
 #include <openssl/evp.h>
 
@@ -20,7 +20,7 @@ constexpr std::array<std::pair<Activation, std::string_view>, 6> activations = {
      {Activation::silu, "silu"},
      {Activation::sine, "sine"}}};
 constexpr std::array<std::pair<Head, std::string_view>, 3> heads = {
-    {{Head::plain, "plain"}, {Head::anchored, "anchored"}, {Head::squared_norm, "squared_norm"}}};
+    {{Head::plain, "plain"}, {Head::zero_at_origin, "zero_at_origin"}, {Head::squared_norm, "squared_norm"}}};
 
 template <typename Table>
 std::string known(const Table& table) {
@@ -63,7 +63,7 @@ class Sha256 {
   EVP_MD_CTX* context_;
 };
 
-void add(Sha256& hash, const LayerStack& stack) {
+void add(Sha256& hash, const NetworkWeights& stack) {
   hash.add(to_string(stack.head));
   hash.add(stack.quadratic);
   hash.add(static_cast<std::uint64_t>(stack.layers.size()));
@@ -113,20 +113,22 @@ Head head_from(std::string_view name) {
   fail("head: found \"{}\", expected one of {}", name, known(heads));
 }
 
-Eigen::Index LayerStack::input_dimension() const { return layers.empty() ? 0 : layers.front().weight.cols(); }
+Eigen::Index NetworkWeights::input_dimension() const {
+  return layers.empty() ? 0 : layers.front().weight.cols();
+}
 
-Eigen::Index LayerStack::output_dimension() const {
+Eigen::Index NetworkWeights::output_dimension() const {
   if (head == Head::squared_norm) return 1;
   return layers.empty() ? 0 : layers.back().weight.rows();
 }
 
-std::size_t LayerStack::parameter_count() const {
+std::size_t NetworkWeights::parameter_count() const {
   std::size_t count = 0;
   for (const Layer& layer : layers) count += layer.weight.size() + layer.bias.size();
   return count;
 }
 
-void LayerStack::check() const {
+void NetworkWeights::check() const {
   s2nnds::check(!layers.empty(), "network: found no layers, expected at least one");
   s2nnds::check(quadratic >= 0.0 && std::isfinite(quadratic),
                 "network: quadratic is {}, expected a number >= 0", quadratic);
@@ -144,10 +146,10 @@ void LayerStack::check() const {
   }
 }
 
-Points LayerStack::value(const Points& x) const { return Evaluator(*this).value(x); }
+Points NetworkWeights::value(const Points& x) const { return Evaluator(*this).value(x); }
 
-void LayerStack::value_and_derivative(const Points& x, const Points& direction, Points& value,
-                                      Points& derivative) const {
+void NetworkWeights::value_and_derivative(const Points& x, const Points& direction, Points& value,
+                                          Points& derivative) const {
   Evaluator(*this).value_and_derivative(x, direction, value, derivative);
 }
 

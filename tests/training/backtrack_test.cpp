@@ -1,17 +1,17 @@
-#include "s2nnds/training/repair.h"
+#include "s2nnds/training/backtrack.h"
 
 #include <gtest/gtest.h>
 
 namespace s2nnds {
 namespace {
 
-LayerStack affine(const Points& weight, const Vector& bias) {
+NetworkWeights affine(const Points& weight, const Vector& bias) {
   return {.layers = {{.weight = weight, .bias = bias, .activation = Activation::identity}}};
 }
 
 // Circles about the origin: an exact inverse of time is the same circle.
-TEST(Repair, FollowsMotionsBackToTheEdgeOfTheBox) {
-  const LayerStack rotation = affine(Points{{0.0, -3.0}, {3.0, 0.0}}, Vector::Zero(2));
+TEST(Backtrack, FollowsMotionsBackToTheEdgeOfTheBox) {
+  const NetworkWeights rotation = affine(Points{{0.0, -3.0}, {3.0, 0.0}}, Vector::Zero(2));
   Points ends(2, 2);
   ends << 0.5, 0.0, 0.0, 0.9;
   const Box box = {Vector{{-0.8, -1.0}}, Vector{{0.8, 1.0}}};
@@ -31,7 +31,7 @@ TEST(Repair, FollowsMotionsBackToTheEdgeOfTheBox) {
 }
 
 // f = (1, 0), so Bdot = 1 wherever B = x1 rises through 0. X0 is at the left, below x2 = 0.
-TEST(Repair, LeadsMotionsFromX0ElsewhereAndRaisesBAlongTheOthers) {
+TEST(Backtrack, LeadsMotionsFromX0ElsewhereAndRaisesBAlongTheOthers) {
   SafetyProblem problem;
   problem.workspace = Box::cube(2, 1.0);
   problem.initial = box_region({Vector{{-0.9, -0.6}}, Vector{{-0.7, -0.1}}});
@@ -45,8 +45,8 @@ TEST(Repair, LeadsMotionsFromX0ElsewhereAndRaisesBAlongTheOthers) {
       0.0, 0.3;        // from the workspace's edge
   position << -0.8, -0.4, 0.0, -0.5;
   velocity << 0.2, -0.3, 0.7, 0.1;
-  const Repairs all =
-      repairs(networks, problem, found, position, velocity, {.motions = 2, .band = 0.01, .gain = 3.0});
+  const Backtracked all = backtrack(networks, problem, found, position, velocity,
+                                    {.motions = 2, .level_band = 0.01, .gain = 3.0});
   ASSERT_GT(all.upstream.rows(), 90);
   EXPECT_LT((all.upstream.col(1).array() - 0.3).abs().maxCoeff(), 1e-6);
   EXPECT_NEAR(all.upstream.col(0).minCoeff(), -1.0, 0.011);
@@ -59,19 +59,19 @@ TEST(Repair, LeadsMotionsFromX0ElsewhereAndRaisesBAlongTheOthers) {
     EXPECT_LT((all.velocity.row(i).transpose() - expected).norm(), 1e-12) << all.position.row(i);
   }
 
-  const Repairs none = repairs(networks, problem, found, position, velocity, {.motions = 0});
+  const Backtracked none = backtrack(networks, problem, found, position, velocity, {.motions = 0});
   EXPECT_EQ(none.upstream.rows() + none.position.rows(), 0);
 }
 
 // Where f points the other way, nothing is entered.
-TEST(Repair, LeavesWhatIsNoViolation) {
+TEST(Backtrack, LeavesWhatIsNoViolation) {
   SafetyProblem problem;
   problem.workspace = Box::cube(2, 1.0);
   problem.initial = box_region({Vector{{-0.9, -0.6}}, Vector{{-0.7, -0.1}}});
-  const LayerStack one = affine(Points{{1.0, 0.0}}, Vector{{0.0}});
+  const NetworkWeights one = affine(Points{{1.0, 0.0}}, Vector{{0.0}});
   const Networks networks = {affine(Points::Zero(2, 2), Vector{{-1.0, 0.0}}), one, one};
   const Points at = Points::Zero(1, 2);
-  const Repairs all = repairs(networks, problem, at, at, at, {.band = 0.01});
+  const Backtracked all = backtrack(networks, problem, at, at, at, {.level_band = 0.01});
   EXPECT_EQ(all.upstream.rows() + all.position.rows(), 0);
 }
 

@@ -1,4 +1,4 @@
-#include "s2nnds/training/joint_sweep.h"
+#include "s2nnds/training/fused_loss.h"
 
 #ifdef __SSE2__
 #include <immintrin.h>
@@ -46,7 +46,7 @@ class FlushSubnormals {
 
 // A tile of samples and what is to be done with it.
 template <typename T>
-struct JointSweep<T>::Work {
+struct FusedLoss<T>::Work {
   enum class Kind { demonstrations, boundary, workspace, region } kind;
   const T* points;
   ptrdiff_t first, rows;
@@ -58,7 +58,7 @@ struct JointSweep<T>::Work {
 
 // What one thread at a time works with.
 template <typename T>
-struct JointSweep<T>::Chunk {
+struct FusedLoss<T>::Chunk {
   Chunk(const FusedNetwork<T>& network_f, const FusedNetwork<T>& network_V, const FusedNetwork<T>& network_B)
       : f(network_f), V(network_V), B(network_B) {
     constexpr auto rows = static_cast<std::size_t>(FusedNetwork<T>::tile_rows);
@@ -93,18 +93,18 @@ struct JointSweep<T>::Chunk {
 };
 
 template <typename T>
-JointSweep<T>::JointSweep(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B,
-                          const LossOptions& options, Trains trains)
+FusedLoss<T>::FusedLoss(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B,
+                        const LossOptions& options, Trains trains)
     : shape_f_(f), shape_V_(V), options_(options), trains_(trains), f_(f.layers), V_(V.layers), B_(B.layers) {
   dimension_ = f_.inputs();
   check(f_.outputs() == dimension_ && V_.inputs() == dimension_ && B_.inputs() == dimension_ &&
             B_.outputs() == 1,
-        "joint sweep: f has {} inputs and {} outputs, V {} inputs, B {} inputs and {} outputs, expected n, "
+        "fused loss: f has {} inputs and {} outputs, V {} inputs, B {} inputs and {} outputs, expected n, "
         "n, n, n, 1",
         f_.inputs(), f_.outputs(), V_.inputs(), B_.inputs(), B_.outputs());
-  check(f.head != Head::squared_norm && V.head != Head::anchored && B.head == Head::plain &&
+  check(f.head != Head::squared_norm && V.head != Head::zero_at_origin && B.head == Head::plain &&
             (V.head == Head::squared_norm || V_.outputs() == 1),
-        "joint sweep: found heads {}, {}, {}, expected anchored or plain, squared_norm or plain, plain",
+        "fused loss: found heads {}, {}, {}, expected zero_at_origin or plain, squared_norm or plain, plain",
         to_string(f.head), to_string(V.head), to_string(B.head));
   origin_.resize(dimension_);
   f_at_origin_.resize(f_.outputs());
@@ -113,11 +113,11 @@ JointSweep<T>::JointSweep(const NetworkShape& f, const NetworkShape& V, const Ne
 }
 
 template <typename T>
-JointSweep<T>::~JointSweep() = default;
+FusedLoss<T>::~FusedLoss() = default;
 
 // Tiles go, the costliest first, to the chunk with the least to do so far.
 template <typename T>
-void JointSweep<T>::share_out(const BatchView<T>& batch) {
+void FusedLoss<T>::share_out(const BatchView<T>& batch) {
   std::vector<Work> all;
   const auto tiles = [&](const PointsView<T>& points, Work work, double cost) {
     for (ptrdiff_t first = 0; first < points.count; first += FusedNetwork<T>::tile_rows) {
@@ -143,17 +143,19 @@ void JointSweep<T>::share_out(const BatchView<T>& batch) {
   using Kind = typename Work::Kind;
   tiles(batch.workspace, {.kind = Kind::workspace, .points = nullptr, .first = 0, .rows = 0},
         3.0 * products(f_) + 6.0 * (products(V_) + products(B_)));
-  if (options_.mse > 0.0 && trains_ == Trains::all)
+  if (options_.imitation > 0.0 && trains_ == Trains::all)
     tiles(batch.position, {.kind = Kind::demonstrations, .points = nullptr, .first = 0, .rows = 0},
           3.0 * products(f_));
-  if (options_.deflection > 0.0 && options_.kind != "paper" && trains_ == Trains::all)
+  if (options_.obstacle_normal > 0.0 && options_.kind != "paper" && trains_ == Trains::all)
     tiles(batch.boundary, {.kind = Kind::boundary, .points = nullptr, .first = 0, .rows = 0},
           3.0 * products(f_));
-  region(batch.initial, options_.separation, 1.0, options_.margin_initial, &LossSums::separation);
-  region(batch.unsafe, options_.separation, -1.0, options_.margin_unsafe, &LossSums::separation);
+  region(batch.initial, options_.barrier_sets, 1.0, options_.margin_initial, &LossSums::barrier_sets);
+  region(batch.unsafe, options_.barrier_sets, -1.0, options_.margin_unsafe, &LossSums::barrier_sets);
   if (options_.kind != "paper") {
-    region(batch.safe, options_.labels, 1.0, options_.margin_label, &LossSums::labels);
-    region(batch.doomed, options_.labels, -1.0, options_.margin_label, &LossSums::labels);
+    region(batch.safe, options_.rollout_safety, 1.0, options_.margin_rollout_safety,
+           &LossSums::rollout_safety);
+    region(batch.unsafe_rollouts, options_.rollout_safety, -1.0, options_.margin_rollout_safety,
+           &LossSums::rollout_safety);
   }
   std::stable_sort(all.begin(), all.end(), [](const Work& a, const Work& b) { return a.cost > b.cost; });
   for (const Work& work : all) {
@@ -165,15 +167,15 @@ void JointSweep<T>::share_out(const BatchView<T>& batch) {
 }
 
 template <typename T>
-void JointSweep<T>::take_origins() {
-  if (shape_f_.head == Head::anchored)
+void FusedLoss<T>::take_origins() {
+  if (shape_f_.head == Head::zero_at_origin)
     f_.forward(1, origin_.data(), nullptr, f_at_origin_.data(), nullptr, nullptr);
   if (shape_V_.head != Head::plain)
     V_.forward(1, origin_.data(), nullptr, V_at_origin_.data(), nullptr, nullptr);
 }
 
 template <typename T>
-void JointSweep<T>::run_demonstrations(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
+void FusedLoss<T>::run_demonstrations(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
   const ptrdiff_t n = dimension_;
   const T* target = batch.velocity.data + work.first * n;
   const double share = 1.0 / static_cast<double>(batch.position.count);
@@ -181,7 +183,7 @@ void JointSweep<T>::run_demonstrations(Chunk& chunk, const Work& work, const Bat
   for (ptrdiff_t i = 0; i < work.rows * n; ++i) {
     const T error = chunk.velocity[i] - f_at_origin_[i % n] - target[i];
     chunk.sums.mse += share * static_cast<double>(error) * static_cast<double>(error);
-    const T adjoint = static_cast<T>(2.0 * options_.mse * share) * error;
+    const T adjoint = static_cast<T>(2.0 * options_.imitation * share) * error;
     chunk.velocity_adjoint[i] = adjoint;
     chunk.f_origin_adjoint[i % n] -= adjoint;
   }
@@ -189,9 +191,9 @@ void JointSweep<T>::run_demonstrations(Chunk& chunk, const Work& work, const Bat
 }
 
 template <typename T>
-void JointSweep<T>::run_boundary(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
+void FusedLoss<T>::run_boundary(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
   const ptrdiff_t n = dimension_;
-  const double weight = options_.deflection / static_cast<double>(batch.boundary.count);
+  const double weight = options_.obstacle_normal / static_cast<double>(batch.boundary.count);
   chunk.f.forward(work.rows, work.points, nullptr, chunk.velocity.data(), nullptr);
   for (ptrdiff_t s = 0; s < work.rows; ++s) {
     const T* normal = batch.normal.data + (work.first + s) * n;
@@ -199,8 +201,8 @@ void JointSweep<T>::run_boundary(Chunk& chunk, const Work& work, const BatchView
     for (ptrdiff_t k = 0; k < n; ++k)
       leaving +=
           static_cast<double>(normal[k]) * static_cast<double>(chunk.velocity[s * n + k] - f_at_origin_[k]);
-    const Penalty penalty = rectify(options_.margin_deflection - leaving, 0.0);
-    chunk.sums.deflection += weight * penalty.value;
+    const Penalty penalty = rectify(options_.margin_obstacle_normal - leaving, 0.0);
+    chunk.sums.obstacle_normal += weight * penalty.value;
     for (ptrdiff_t k = 0; k < n; ++k) {
       const T adjoint = static_cast<T>(-weight * penalty.slope) * normal[k];
       chunk.velocity_adjoint[s * n + k] = adjoint;
@@ -211,7 +213,7 @@ void JointSweep<T>::run_boundary(Chunk& chunk, const Work& work, const BatchView
 }
 
 template <typename T>
-void JointSweep<T>::run_region(Chunk& chunk, const Work& work) const {
+void FusedLoss<T>::run_region(Chunk& chunk, const Work& work) const {
   chunk.B.forward(work.rows, work.points, nullptr, chunk.barrier.data(), nullptr);
   const double leak = options_.kind == "paper" ? options_.leak : 0.0;
   for (ptrdiff_t i = 0; i < work.rows; ++i) {
@@ -224,24 +226,24 @@ void JointSweep<T>::run_region(Chunk& chunk, const Work& work) const {
 
 namespace {
 
-// The Lyapunov and band terms of one sample, and their derivatives in V, Vdot, B and Bdot.
+// The lyapunov and barrier_decrease terms of one sample, and their derivatives in V, Vdot, B and Bdot.
 struct SampleLoss {
-  double lyapunov = 0.0, band = 0.0;
+  double lyapunov = 0.0, barrier_decrease = 0.0;
   double by_V = 0.0, by_V_dot = 0.0, by_B_dot = 0.0;
 };
 
 SampleLoss robust_loss(const LossOptions& o, double V, double V_dot, double B, double B_dot) {
   SampleLoss loss;
-  const double scale = V + 1e-6, q = V_dot / scale + o.kappa;
+  const double scale = V + 1e-6, q = V_dot / scale + o.decay_rate;
   if (!(q <= 0.0)) {
     loss.lyapunov = o.lyapunov * std::log1p(q);
     loss.by_V_dot = o.lyapunov / (1.0 + q) / scale;
     loss.by_V = -loss.by_V_dot * V_dot / scale;
   }
-  const double z = B_dot + o.margin_band;
+  const double z = B_dot + o.margin_barrier_decrease;
   if (!(z <= 0.0)) {
-    const double weight = o.band * std::exp(-(B / o.band_width) * (B / o.band_width));
-    loss.band = weight * z;
+    const double weight = o.barrier_decrease * std::exp(-(B / o.band_width) * (B / o.band_width));
+    loss.barrier_decrease = weight * z;
     loss.by_B_dot = weight;
   }
   return loss;
@@ -250,18 +252,18 @@ SampleLoss robust_loss(const LossOptions& o, double V, double V_dot, double B, d
 SampleLoss paper_loss(const LossOptions& o, double V, double V_dot, double B_dot) {
   const Penalty positive = rectify(o.margin_positive - V, o.leak);
   const Penalty decrease = rectify(V_dot - o.margin_decrease, o.leak);
-  const Penalty band = rectify(B_dot - o.margin_band, o.leak);
+  const Penalty barrier_decrease = rectify(B_dot - o.margin_barrier_decrease, o.leak);
   return {.lyapunov = o.lyapunov * (positive.value + decrease.value),
-          .band = o.band * band.value,
+          .barrier_decrease = o.barrier_decrease * barrier_decrease.value,
           .by_V = -o.lyapunov * positive.slope,
           .by_V_dot = o.lyapunov * decrease.slope,
-          .by_B_dot = o.band * band.slope};
+          .by_B_dot = o.barrier_decrease * barrier_decrease.slope};
 }
 
 }  // namespace
 
 template <typename T>
-void JointSweep<T>::run_workspace(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
+void FusedLoss<T>::run_workspace(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
   const ptrdiff_t n = dimension_, m = V_.outputs(), rows = work.rows;
   const bool squared = shape_V_.head == Head::squared_norm, paper = options_.kind == "paper";
   const double share = 1.0 / static_cast<double>(batch.workspace.count);
@@ -295,7 +297,7 @@ void JointSweep<T>::run_workspace(Chunk& chunk, const Work& work, const BatchVie
     const SampleLoss loss =
         paper ? paper_loss(options_, V, V_dot, B_dot) : robust_loss(options_, V, V_dot, B, B_dot);
     chunk.sums.lyapunov += share * loss.lyapunov;
-    chunk.sums.band += share * loss.band;
+    chunk.sums.barrier_decrease += share * loss.barrier_decrease;
     const double by_V = share * loss.by_V, by_V_dot = share * loss.by_V_dot;
     T* feature_adjoint = chunk.features_adjoint.data() + s * m;
     T* tangent_adjoint = chunk.tangent_adjoint.data() + s * m;
@@ -335,7 +337,7 @@ void JointSweep<T>::run_workspace(Chunk& chunk, const Work& work, const BatchVie
 
 // N(0) enters every sample: its adjoints add up, and it goes back once.
 template <typename T>
-void JointSweep<T>::run_origins() {
+void FusedLoss<T>::run_origins() {
   Chunk& chunk = *chunks_.front();
   const auto go_back = [&](FusedTile<T>& tile, std::vector<T> Chunk::*adjoint, std::vector<T>& value) {
     for (std::size_t c = 1; c < chunks_.size(); ++c) {
@@ -345,13 +347,13 @@ void JointSweep<T>::run_origins() {
     tile.forward(1, origin_.data(), nullptr, value.data(), nullptr);
     tile.backward((chunk.*adjoint).data(), nullptr, nullptr);
   };
-  if (shape_f_.head == Head::anchored) go_back(chunk.f, &Chunk::f_origin_adjoint, f_at_origin_);
+  if (shape_f_.head == Head::zero_at_origin) go_back(chunk.f, &Chunk::f_origin_adjoint, f_at_origin_);
   if (shape_V_.head == Head::squared_norm) go_back(chunk.V, &Chunk::V_origin_adjoint, V_at_origin_);
 }
 
 template <typename T>
-LossSums JointSweep<T>::run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch,
-                            T* gradient_f, T* gradient_V, T* gradient_B) {
+LossSums FusedLoss<T>::run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch,
+                           T* gradient_f, T* gradient_V, T* gradient_B) {
   f_.load(theta_f);
   V_.load(theta_V);
   B_.load(theta_B);
@@ -381,10 +383,10 @@ LossSums JointSweep<T>::run(const T* theta_f, const T* theta_V, const T* theta_B
   for (const auto& chunk : chunks_) {
     sums.mse += chunk->sums.mse;
     sums.lyapunov += chunk->sums.lyapunov;
-    sums.separation += chunk->sums.separation;
-    sums.band += chunk->sums.band;
-    sums.labels += chunk->sums.labels;
-    sums.deflection += chunk->sums.deflection;
+    sums.barrier_sets += chunk->sums.barrier_sets;
+    sums.barrier_decrease += chunk->sums.barrier_decrease;
+    sums.rollout_safety += chunk->sums.rollout_safety;
+    sums.obstacle_normal += chunk->sums.obstacle_normal;
   }
   const auto add_up = [&](FusedTile<T> Chunk::*network, T* gradient) {
     FusedTile<T>& total = *chunks_.front().*network;
@@ -401,7 +403,7 @@ LossSums JointSweep<T>::run(const T* theta_f, const T* theta_V, const T* theta_B
   return sums;
 }
 
-template class JointSweep<float>;
-template class JointSweep<double>;
+template class FusedLoss<float>;
+template class FusedLoss<double>;
 
 }  // namespace s2nnds

@@ -10,12 +10,13 @@ namespace s2nnds {
 // Asks whether the barrier withstands disturbances as large as the error of evaluating f in float32, so that
 // the guarantee speaks of the exported policy too; boxes where that stays open go back into training. To be
 // added behind the ProofSource, whose conditions it presumes.
-class Float32Source : public CounterexampleSource {
+class DisturbanceFalsifier : public CounterexampleSource {
  public:
-  Float32Source(const DisturbanceOptions& options, std::int64_t keep) : options_(options), keep_(keep) {}
+  DisturbanceFalsifier(const DisturbanceOptions& options, std::int64_t keep)
+      : options_(options), keep_(keep) {}
   std::string name() const override { return "float32"; }
   bool only_when_clean() const override { return true; }
-  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double band,
+  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;
 
  private:

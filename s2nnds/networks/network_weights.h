@@ -22,17 +22,17 @@ struct Layer {
 
 // What is made of the layers' output N(x).
 enum class Head {
-  plain,         // y = N(x)
-  anchored,      // y = N(x) - N(0), so that y(0) = 0 exactly
-  squared_norm,  // y = |N(x) - N(0)|^2 + quadratic |x|^2: y(0) = 0, grad y(0) = 0, y > 0 elsewhere if
-                 // quadratic > 0
+  plain,           // y = N(x)
+  zero_at_origin,  // y = N(x) - N(0), so that y(0) = 0 exactly
+  squared_norm,    // y = |N(x) - N(0)|^2 + quadratic |x|^2: y(0) = 0, grad y(0) = 0, y > 0 elsewhere if
+                   // quadratic > 0
 };
 std::string_view to_string(Head head);
 Head head_from(std::string_view name);  // throws Error
 
 // A network as numbers: the plain double snapshot that verification, evaluation and export see. It is what a
 // certificate speaks of.
-struct LayerStack {
+struct NetworkWeights {
   std::vector<Layer> layers;
   Head head = Head::plain;
   double quadratic = 0.0;  // squared_norm only
@@ -51,9 +51,9 @@ struct LayerStack {
 
 // The three networks of a run.
 struct Networks {
-  LayerStack f;  // vector field, n -> n
-  LayerStack V;  // Lyapunov function, n -> 1
-  LayerStack B;  // barrier function, n -> 1
+  NetworkWeights f;  // vector field, n -> n
+  NetworkWeights V;  // Lyapunov function, n -> 1
+  NetworkWeights B;  // barrier function, n -> 1
 };
 
 // SHA-256, in hexadecimal, of heads, activations, shapes and weights (little-endian doubles) of f, V, B in

@@ -1,4 +1,4 @@
-#include "s2nnds/core/whole_file.h"
+#include "s2nnds/core/atomic_file.h"
 
 #include <unistd.h>
 
@@ -21,7 +21,7 @@ bool write_file(const std::string& path, const std::string& bytes) {
 
 }  // namespace
 
-void write_whole_file(const std::string& path, const std::string& bytes, const std::string& what) {
+void write_atomic_file(const std::string& path, const std::string& bytes, const std::string& what) {
   const std::string temporary = fmt::format("{}.{}.partial", path, ::getpid());
   errno = 0;
   if (write_file(temporary, bytes) && std::rename(temporary.c_str(), path.c_str()) == 0) return;

@@ -17,7 +17,7 @@ struct PointsView {
 
 template <typename T>
 struct BatchView {
-  PointsView<T> position, velocity, workspace, initial, unsafe, safe, doomed, boundary, normal;
+  PointsView<T> position, velocity, workspace, initial, unsafe, safe, unsafe_rollouts, boundary, normal;
 };
 
 // A network's layers and what is made of their output.
@@ -32,10 +32,10 @@ struct NetworkShape {
 struct LossSums {
   double mse = 0.0;
   double lyapunov = 0.0;
-  double separation = 0.0;
-  double band = 0.0;
-  double labels = 0.0;
-  double deflection = 0.0;
+  double barrier_sets = 0.0;
+  double barrier_decrease = 0.0;
+  double rollout_safety = 0.0;
+  double obstacle_normal = 0.0;
 };
 
 enum class Trains { all, barrier };  // whose gradients are wanted
@@ -43,15 +43,15 @@ enum class Trains { all, barrier };  // whose gradients are wanted
 // The loss of LossOptions and its gradients in closed form, in one pass over the batch: every tile of samples
 // goes forward through the networks it concerns, its loss is differentiated, and it goes back, all in cache.
 // Tiles are shared out over a fixed number of chunks, whose gradients are summed in order, so that the result
-// does not depend on the number of threads. f may be anchored or plain, V squared_norm or plain, B plain.
+// does not depend on the number of threads. f may be zero_at_origin or plain, V squared_norm or plain, B plain.
 template <typename T>
-class JointSweep {
+class FusedLoss {
  public:
-  JointSweep(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B, const LossOptions& options,
-             Trains trains = Trains::all);
-  ~JointSweep();
-  JointSweep(const JointSweep&) = delete;
-  JointSweep& operator=(const JointSweep&) = delete;
+  FusedLoss(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B, const LossOptions& options,
+            Trains trains = Trains::all);
+  ~FusedLoss();
+  FusedLoss(const FusedLoss&) = delete;
+  FusedLoss& operator=(const FusedLoss&) = delete;
 
   // Writes the gradients of the total loss, mse weighted, in the flat parameters of f, V and B; those of f
   // and V are zero when the barrier alone trains.

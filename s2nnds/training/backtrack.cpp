@@ -1,4 +1,4 @@
-#include "s2nnds/training/repair.h"
+#include "s2nnds/training/backtrack.h"
 
 #include <cmath>
 
@@ -9,14 +9,14 @@ namespace {
 
 constexpr double kSpacing = 0.01;  // a motion passes an X0 smaller than this unseen
 
-Points violating(const Networks& networks, const Points& counterexamples, const RepairOptions& options) {
+Points violating(const Networks& networks, const Points& counterexamples, const BacktrackOptions& options) {
   const BasicEvaluator<float> f(networks.f), B(networks.B);
   Points value, derivative;
   B.value_and_derivative(counterexamples, f.value(counterexamples), value, derivative);
   std::vector<Eigen::Index> last;
   for (Eigen::Index i = counterexamples.rows() - 1; i >= 0; --i) {
     if (std::ssize(last) == options.motions) break;
-    if (std::abs(value(i, 0)) < options.band && derivative(i, 0) >= 0.0) last.push_back(i);
+    if (std::abs(value(i, 0)) < options.level_band && derivative(i, 0) >= 0.0) last.push_back(i);
   }
   return counterexamples(last, Eigen::all);
 }
@@ -35,7 +35,8 @@ Points stacked(const std::vector<Points>& parts, Eigen::Index dimension) {
 
 }  // namespace
 
-std::vector<Points> motions_to(const LayerStack& f, const Points& ends, const Box& within, double spacing) {
+std::vector<Points> motions_to(const NetworkWeights& f, const Points& ends, const Box& within,
+                               double spacing) {
   const BasicEvaluator<float> field(f);
   const auto direction = [&](const Points& x) {
     Points v = field.value(x);
@@ -68,8 +69,8 @@ std::vector<Points> motions_to(const LayerStack& f, const Points& ends, const Bo
   return motions;
 }
 
-Repairs repairs(const Networks& networks, const SafetyProblem& problem, const Points& counterexamples,
-                const Points& position, const Points& velocity, const RepairOptions& options) {
+Backtracked backtrack(const Networks& networks, const SafetyProblem& problem, const Points& counterexamples,
+                      const Points& position, const Points& velocity, const BacktrackOptions& options) {
   const Eigen::Index n = problem.dimension();
   std::vector<Points> from_initial, others;
   if (counterexamples.rows() > 0) {
@@ -79,7 +80,7 @@ Repairs repairs(const Networks& networks, const SafetyProblem& problem, const Po
       (passes_initial ? from_initial : others).push_back(std::move(motion));
     }
   }
-  Repairs result;
+  Backtracked result;
   result.upstream = stacked(others, n);
   result.position = stacked(from_initial, n);
   result.velocity.resize(result.position.rows(), n);

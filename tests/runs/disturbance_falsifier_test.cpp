@@ -1,4 +1,4 @@
-#include "s2nnds/runs/float32_source.h"
+#include "s2nnds/runs/disturbance_falsifier.h"
 
 #include <gtest/gtest.h>
 
@@ -10,25 +10,25 @@ namespace {
 constexpr auto kBarrier = static_cast<std::size_t>(Condition::barrier_decrease);
 
 // -x as the difference of large numbers, which float32 cannot tell from 0.
-LayerStack cancelling_field(double size) {
+NetworkWeights cancelling_field(double size) {
   Points inner(4, 2), outer(2, 4);
   inner << Points::Identity(2, 2), Points::Identity(2, 2);
   outer << size * Points::Identity(2, 2), -(size + 1.0) * Points::Identity(2, 2);
-  LayerStack f;
+  NetworkWeights f;
   f.layers = {layer(inner, Vector(), Activation::identity), layer(outer, Vector(), Activation::identity)};
-  f.head = Head::anchored;
+  f.head = Head::zero_at_origin;
   return f;
 }
 
-TEST(Float32Source, FindsNothingWhereTheBarrierCoversTheError) {
-  Float32Source source({}, 20);
+TEST(DisturbanceFalsifier, FindsNothingWhereTheBarrierCoversTheError) {
+  DisturbanceFalsifier source({}, 20);
   const Counterexamples found = source.find(simple_networks(), simple_problem(), 0.01, 1, 1);
   EXPECT_EQ(found.total(), 0);
   EXPECT_GT(found.samples[kBarrier], 0);
 }
 
-TEST(Float32Source, HandsOnPointsNearTheBarrierWhereItDoesNot) {
-  Float32Source source({}, 20);
+TEST(DisturbanceFalsifier, HandsOnPointsNearTheBarrierWhereItDoesNot) {
+  DisturbanceFalsifier source({}, 20);
   Networks networks = simple_networks();
   source.find(networks, simple_problem(), 0.01, 1, 1);
   networks.f = cancelling_field(1e7);  // another field, another error
@@ -37,7 +37,7 @@ TEST(Float32Source, HandsOnPointsNearTheBarrierWhereItDoesNot) {
   ASSERT_EQ(found.points[kBarrier].rows(), 20);
   const Points value = networks.B.value(found.points[kBarrier]);
   EXPECT_LT(value.cwiseAbs().maxCoeff(), 0.5);
-  const Counterexamples again = Float32Source({}, 20).find(networks, simple_problem(), 0.01, 1, 1);
+  const Counterexamples again = DisturbanceFalsifier({}, 20).find(networks, simple_problem(), 0.01, 1, 1);
   EXPECT_EQ(again.points[kBarrier], found.points[kBarrier]);
 }
 
