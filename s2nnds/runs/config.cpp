@@ -36,7 +36,7 @@ void EvaluationOptions::visit(FieldVisitor& v) {
 
 void Config::visit(FieldVisitor& v) {
   v.field("name", name);
-  v.field("profile", profile, {"robust", "paper"});
+  v.field("profile", profile, {"robust", "paper", "imitation"});
   v.field("seed", seed, at_least(0));
   v.group("data", data);
   v.group("problem", problem);
@@ -50,7 +50,12 @@ Config default_config(const std::string& profile) {
   Config config;
   config.profile = profile;
   if (profile == "robust") return config;
-  check(profile == "paper", "profile: found \"{}\", expected robust or paper", profile);
+  if (profile == "imitation") {
+    config.training = imitation_training();
+    config.verification.method = "sampled";
+    return config;
+  }
+  check(profile == "paper", "profile: found \"{}\", expected robust, paper or imitation", profile);
   config.problem.workspace = 1.0;
   config.problem.contain = false;
   config.networks = paper_networks();

@@ -39,7 +39,7 @@ struct EvaluationOptions {
 // field.
 struct Config {
   std::string name = "motion";
-  std::string profile = "robust";  // robust, paper: the defaults of networks and training
+  std::string profile = "robust";  // whose defaults the other keys start from: robust, paper, imitation
   std::int64_t seed = 0;
   DataOptions data;
   ProblemOptions problem;
@@ -52,6 +52,8 @@ struct Config {
 };
 
 // The defaults of a profile. Throws Error on an unknown one.
+//   robust: what is made to be proved; paper: the paper's networks, losses and algorithm;
+//   imitation: f alone, fitted without any condition and so without a guarantee, for comparison.
 Config default_config(const std::string& profile);
 
 // Reads TOML `text`; `source` names it in messages. Throws Error as read_toml does.

@@ -124,4 +124,15 @@ TrainerOptions paper_training() {
   return options;
 }
 
+TrainerOptions imitation_training() {
+  TrainerOptions options;
+  options.rounds = options.min_rounds;
+  options.rollout_points = 0;
+  options.refine_rounds = options.imitation_finetune_rounds = options.enlarge_rounds = 0;
+  options.samples = 1000;  // what they find trains nothing
+  options.loss.lyapunov = options.loss.barrier_sets = options.loss.barrier_decrease =
+      options.loss.rollout_safety = options.loss.obstacle_normal = 0.0;
+  return options;
+}
+
 }  // namespace s2nnds

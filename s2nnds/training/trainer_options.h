@@ -158,4 +158,7 @@ struct TrainerOptions {
 // The paper's algorithm: losses (6) to (8), Algorithm 2 with uniform samples and counterexamples only.
 TrainerOptions paper_training();
 
+// f alone: only the imitation term counts, for the rounds that a certificate takes at least.
+TrainerOptions imitation_training();
+
 }  // namespace s2nnds
