@@ -23,7 +23,7 @@
 #include "published_abc_ds.h"
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
-#include "s2nnds/runs/pipeline.h"
+#include "s2nnds/runs/prepared_run.h"
 #include "trials.h"
 
 namespace {

@@ -16,7 +16,8 @@
 #include "s2nnds/data/readers.h"
 #include "s2nnds/evaluation/robustness.h"
 #include "s2nnds/runs/config.h"
-#include "s2nnds/runs/pipeline.h"
+#include "s2nnds/runs/prepared_run.h"
+#include "s2nnds/runs/summary.h"
 #include "s2nnds/sweeps/process_pool.h"
 
 namespace s2nnds::experiment {

@@ -13,8 +13,11 @@
 #include "s2nnds/deployment/onnx.h"
 #include "s2nnds/deployment/torchscript.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
-#include "s2nnds/runs/pipeline.h"
+#include "s2nnds/runs/evaluation_run.h"
+#include "s2nnds/runs/summary.h"
 #include "s2nnds/runs/threads.h"
+#include "s2nnds/runs/training_run.h"
+#include "s2nnds/runs/verification_run.h"
 #include "writable.h"
 
 namespace s2nnds::program {

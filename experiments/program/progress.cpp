@@ -84,7 +84,9 @@ void print_summary(const RunRecord& record, const std::string& path) {
              figure(e.dtw_test));
   fmt::print("  safe area {} of {} that is truly safe (ratio {})\n", figure(e.safe_area),
              figure(e.true_safe_area), figure(e.safe_area_ratio));
-  for (const auto& [name, seconds] : record.timing) fmt::print("  {} {}", name, figure(seconds, " s"));
+  for (const auto& [name, seconds] : flatten(record.timing)) {
+    if (seconds != "nan") fmt::print("  {} {} s", name, seconds);
+  }
   fmt::print("\n  run {}\n", path);
 }
 

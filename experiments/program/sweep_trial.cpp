@@ -7,7 +7,8 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/readers.h"
-#include "s2nnds/runs/pipeline.h"
+#include "s2nnds/runs/config.h"
+#include "s2nnds/runs/summary.h"
 #include "s2nnds/sweeps/continuation.h"
 #include "s2nnds/sweeps/trial_result.h"
 

@@ -317,15 +317,6 @@ void check_record_of(const std::string& path, const RunRecord& record) {
   }
 }
 
-// What not every run file has under /evaluation; NaN: not measured.
-void write_optional(Hdf5Writer& file, const std::string& name, double value) {
-  if (!std::isnan(value)) file.write_attribute("/evaluation", name, value);
-}
-
-void read_optional(const Hdf5Reader& file, const std::string& name, double& value) {
-  if (file.has_attribute("/evaluation", name)) value = file.number_attribute("/evaluation", name);
-}
-
 }  // namespace
 
 std::vector<Demonstration> RunData::normalized() const {
@@ -337,13 +328,26 @@ std::vector<Demonstration> RunData::normalized() const {
 void EvaluationSummary::visit(FieldVisitor& v) {
   v.field("mse_train", mse_train, any_number());
   v.field("mse_test", mse_test, any_number());
+  v.field("mse_validation", mse_validation, any_number());
   v.field("sd_train", sd_train, any_number());
   v.field("sd_test", sd_test, any_number());
+  v.field("dtw_train", dtw_train, any_number());
   v.field("dtw_test", dtw_test, any_number());
   v.field("dtw_independent_test", dtw_independent_test, any_number());
   v.field("safe_area", safe_area, any_number());
   v.field("true_safe_area", true_safe_area, any_number());
   v.field("safe_area_ratio", safe_area_ratio, any_number());
+}
+
+void RunTiming::visit(FieldVisitor& v) {
+  v.field("training", training, any_number());
+  v.field("first_clean_round", first_clean_round, any_number());
+  v.field("verification_sampled", verification_sampled, any_number());
+  v.field("verification_conformal", verification_conformal, any_number());
+  v.field("verification_proof", verification_proof, any_number());
+  v.field("proof", proof, any_number());
+  v.field("disturbance_margin", disturbance_margin, any_number());
+  v.field("evaluation", evaluation, any_number());
 }
 
 std::string program_version() { return S2NNDS_VERSION; }
@@ -412,9 +416,7 @@ void save_run(const std::string& path, const RunRecord& record) {
   for (const auto& [name, corners] : record.open_boxes)
     file.write("/certificate/open_boxes/" + name, corners);
   write_fields(file, "/evaluation", record.evaluation);
-  write_optional(file, "mse_validation", record.evaluation.mse_validation);
-  write_optional(file, "dtw_train", record.evaluation.dtw_train);
-  write_numbers(file, "/timing", record.timing);
+  write_fields(file, "/timing", record.timing);
   write(file, record.rollouts);
   if (record.grid) write(file, *record.grid);
   if (record.checkpoint) write(file, *record.checkpoint);
@@ -444,9 +446,7 @@ RunRecord load_run(const std::string& path) {
     }
   }
   record.evaluation = read_fields<EvaluationSummary>(file, "/evaluation");
-  read_optional(file, "mse_validation", record.evaluation.mse_validation);
-  read_optional(file, "dtw_train", record.evaluation.dtw_train);
-  record.timing = read_numbers(file, "/timing");
+  record.timing = read_fields<RunTiming>(file, "/timing");
   record.rollouts = read_rollouts(file);
   if (file.exists("/grid")) record.grid = read_grid(file, record.data.dimension);
   if (file.exists("/checkpoint")) record.checkpoint = read_checkpoint(file);

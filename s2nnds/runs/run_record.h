@@ -46,22 +46,37 @@ struct RunProblem {
   Box workspace;
 };
 
-// Figures of a motion's quality; NaN: not measured.
-struct EvaluationSummary {
-  double mse_validation =
-      std::numeric_limits<double>::quiet_NaN();                 // of runs that hold demonstrations out for it
-  double dtw_train = std::numeric_limits<double>::quiet_NaN();  // older run files lack it
-  double mse_train = std::numeric_limits<double>::quiet_NaN();
-  double mse_test = std::numeric_limits<double>::quiet_NaN();
-  double sd_train = std::numeric_limits<double>::quiet_NaN();
-  double sd_test = std::numeric_limits<double>::quiet_NaN();
-  double dtw_test = std::numeric_limits<double>::quiet_NaN();
-  double dtw_independent_test = std::numeric_limits<double>::quiet_NaN();
-  double safe_area = std::numeric_limits<double>::quiet_NaN();
-  double true_safe_area = std::numeric_limits<double>::quiet_NaN();
-  double safe_area_ratio = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
 
-  void visit(FieldVisitor& v);  // all but mse_validation and dtw_train, which not every run file has
+// Figures of a motion's quality, in normalised units. Each is named here and in visit, and nowhere else.
+struct EvaluationSummary {
+  double mse_train = not_measured;
+  double mse_test = not_measured;
+  double mse_validation = not_measured;  // of runs that hold demonstrations out for it
+  double sd_train = not_measured;
+  double sd_test = not_measured;
+  double dtw_train = not_measured;
+  double dtw_test = not_measured;
+  double dtw_independent_test = not_measured;
+  double safe_area = not_measured;
+  double true_safe_area = not_measured;
+  double safe_area_ratio = not_measured;
+
+  void visit(FieldVisitor& v);
+};
+
+// How long each step of a run took, in seconds of wall clock.
+struct RunTiming {
+  double training = not_measured;
+  double first_clean_round = not_measured;  // of training, until a search ended without counterexamples
+  double verification_sampled = not_measured;
+  double verification_conformal = not_measured;
+  double verification_proof = not_measured;  // proof and disturbance_margin included
+  double proof = not_measured;
+  double disturbance_margin = not_measured;
+  double evaluation = not_measured;
+
+  void visit(FieldVisitor& v);
 };
 
 struct StoredRollout {
@@ -106,7 +121,7 @@ struct RunRecord {
   std::vector<std::pair<std::string, Points>>
       open_boxes;  // by condition, [k, 2n] lower then upper corner: not proved
   EvaluationSummary evaluation;
-  std::vector<std::pair<std::string, double>> timing;  // seconds
+  RunTiming timing;
   std::vector<StoredRollout> rollouts;
   std::optional<Grid> grid;
   std::optional<Checkpoint> checkpoint;

@@ -1,7 +1,7 @@
 #include "s2nnds/sweeps/continuation.h"
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/runs/pipeline.h"
+#include "s2nnds/runs/prepared_run.h"
 
 namespace s2nnds {
 

@@ -8,7 +8,7 @@
 
 #include "evaluated_policies.h"
 #include "s2nnds/networks/evaluator.h"
-#include "s2nnds/runs/pipeline.h"
+#include "s2nnds/runs/prepared_run.h"
 #include "s2nnds/runs/run_record.h"
 #include "s2nnds/runs/threads.h"
 #include "s2nnds/verification/prover.h"

@@ -1,7 +1,7 @@
 // What a certificate says in words must follow from its verdicts, and must not say more.
 #include <gtest/gtest.h>
 
-#include "s2nnds/runs/pipeline.h"
+#include "s2nnds/runs/statement.h"
 
 namespace s2nnds {
 namespace {

@@ -1,0 +1,89 @@
+#include "s2nnds/runs/evaluation_run.h"
+
+#include <algorithm>
+
+#include "s2nnds/core/stopwatch.h"
+#include "s2nnds/evaluation/safe_area.h"
+#include "s2nnds/evaluation/trajectory_metrics.h"
+
+namespace s2nnds {
+namespace {
+
+Points grid_points(const std::vector<Vector>& axes) {
+  Eigen::Index total = 1;
+  for (const Vector& axis : axes) total *= axis.size();
+  Points x(total, static_cast<Eigen::Index>(axes.size()));
+  for (Eigen::Index i = 0; i < total; ++i) {
+    Eigen::Index rest = i;
+    for (Eigen::Index k = x.cols() - 1; k >= 0; --k) {
+      x(i, k) = axes[k][rest % axes[k].size()];
+      rest /= axes[k].size();
+    }
+  }
+  return x;
+}
+
+Grid make_grid(const PreparedRun& setup, const Networks& networks) {
+  const Eigen::Index n = setup.problem.dimension();
+  const Eigen::Index side = n == 2 ? setup.config.evaluation.grid_points
+                                   : std::min<Eigen::Index>(41, setup.config.evaluation.grid_points);
+  Grid grid;
+  const Box& x = setup.problem.workspace;
+  for (Eigen::Index k = 0; k < n; ++k) grid.axes.push_back(Vector::LinSpaced(side, x.lower[k], x.upper[k]));
+  const Points points = grid_points(grid.axes);
+  grid.unsafe = setup.problem.unsafe->level(points);
+  grid.initial = setup.problem.initial->level(points);
+  grid.V = networks.V.value(points);
+  grid.B = networks.B.value(points);
+  grid.velocity = networks.f.value(points);
+  return grid;
+}
+
+std::vector<StoredRollout> make_rollouts(const PreparedRun& setup, const NetworkWeights& f) {
+  std::vector<StoredRollout> rollouts;
+  const auto add = [&](const std::vector<Demonstration>& demonstrations, const std::string& kind) {
+    for (const Demonstration& d : demonstrations) {
+      const Rollout rollout =
+          roll_out(f, setup.problem, d.position.row(0).transpose(), setup.config.evaluation.rollout);
+      rollouts.push_back({kind, std::string(to_string(rollout.stop)), rollout.time, rollout.position});
+    }
+  };
+  add(setup.train(), "train");
+  add(setup.test(), "test");
+  return rollouts;
+}
+
+}  // namespace
+
+void evaluate(const PreparedRun& setup, RunRecord& record) {
+  const Stopwatch watch;
+  const Networks& networks = record.networks;
+  const RolloutOptions& rollout = setup.config.evaluation.rollout;
+  const MotionErrors train_errors = motion_errors(networks.f, setup.train(), rollout);
+  EvaluationSummary summary;
+  summary.mse_train = train_errors.mse;
+  summary.sd_train = train_errors.sd;
+  summary.dtw_train = train_errors.dtw;
+  if (!setup.split.test.empty()) {
+    const MotionErrors test = motion_errors(networks.f, setup.test(), rollout);
+    summary.mse_test = test.mse;
+    summary.sd_test = test.sd;
+    summary.dtw_test = test.dtw;
+    summary.dtw_independent_test = test.dtw_independent;
+  }
+  if (!setup.split.validation.empty()) {
+    summary.mse_validation = motion_errors(networks.f, setup.validation(), rollout).mse;
+  }
+  const SafeArea area =
+      measure_safe_area(networks, setup.problem, static_cast<int>(setup.config.evaluation.area_cells));
+  summary.safe_area = area.safe_area;
+  summary.true_safe_area = area.true_safe_area;
+  summary.safe_area_ratio = area.ratio();
+  record.evaluation = summary;
+  record.rollouts = make_rollouts(setup, networks.f);
+  record.grid.reset();
+  if (setup.problem.dimension() <= 3) record.grid = make_grid(setup, networks);
+  record.timing.evaluation = watch.seconds();
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <functional>
+
+#include "s2nnds/runs/prepared_run.h"
+#include "s2nnds/training/trainer.h"
+
+namespace s2nnds {
+
+struct TrainingHooks {
+  std::function<void(const RoundSummary&)> progress;  // after the warm start and every round
+  std::function<void(const RunRecord&)> checkpoint;   // the record so far, at the same moments
+};
+
+// Trains from where the record's checkpoint stands (from the start if it has none) and fills in networks,
+// history, checkpoint and timing. The certificate is reset: it spoke of other weights.
+TrainerSummary train(const PreparedRun& setup, RunRecord& record, const TrainingHooks& hooks);
+
+}  // namespace s2nnds
