@@ -38,7 +38,8 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
     }
   }
   json["seconds"] = ordered_json::object();
-  for (const auto& [name, seconds] : ordered_json::parse(to_json(record.timing)).items()) {
+  const ordered_json timing = ordered_json::parse(to_json(record.timing));
+  for (const auto& [name, seconds] : timing.items()) {
     if (!seconds.is_null()) json["seconds"][name] = seconds;
   }
   json.update(ordered_json::parse(to_json(record.evaluation)));

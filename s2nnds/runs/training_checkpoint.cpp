@@ -20,14 +20,13 @@ Column column(const std::string& name, T RoundSummary::*member) {
 }
 
 std::vector<Column> columns() {
-  std::vector<Column> all = {column("round", &RoundSummary::round),
-                             column("loss", &RoundSummary::loss),
-                             column("mse", &RoundSummary::mse),
-                             column("lyapunov", &RoundSummary::lyapunov),
-                             column("barrier_sets", &RoundSummary::barrier_sets),
-                             column("barrier_decrease", &RoundSummary::barrier_decrease),
-                             column("rollout_safety", &RoundSummary::rollout_safety),
-                             column("obstacle_normal", &RoundSummary::obstacle_normal)};
+  std::vector<Column> all = {column("round", &RoundSummary::round), column("loss", &RoundSummary::loss),
+                             column("mse", &RoundSummary::mse)};
+  for (const LossTerm term : all_loss_terms) {
+    all.push_back({std::string(to_string(term)),
+                   [=](const RoundSummary& row) { return row.loss_terms[term]; },
+                   [=](RoundSummary& row, double value) { row.loss_terms[term] = value; }});
+  }
   for (std::size_t q = 0; q < all_conditions.size(); ++q) {
     all.push_back(
         {fmt::format("count_{}", to_string(all_conditions[q])),

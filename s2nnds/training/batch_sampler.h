@@ -6,20 +6,13 @@
 #include "s2nnds/problem/boundary_points.h"
 #include "s2nnds/problem/region_sampler.h"
 #include "s2nnds/training/backtrack.h"
+#include "s2nnds/training/batch.h"
 #include "s2nnds/training/counterexample.h"
 #include "s2nnds/training/trainer_options.h"
 
 namespace s2nnds {
 
-// The points of one training step, in normalised coordinates. Empty [0, n] where there is nothing to draw.
-struct Batch {
-  Points position, velocity;  // of demonstrations and corrections
-  Points workspace;
-  Points initial;
-  Points unsafe;                 // of Xu, the workspace margin and the counterexamples of both
-  Points safe, unsafe_rollouts;  // labelled by rollouts, and upstream of violations
-  Points boundary, normal;       // of the obstacle, outwards
-};
+using Batch = BatchOf<Points>;
 
 // Counterexamples found so far: what a checkpoint keeps besides the networks.
 struct CounterexamplePools {

@@ -52,7 +52,7 @@ struct FusedLoss<T>::Work {
   ptrdiff_t first, rows;
   // Of a region: weight times the mean of the penalty of sign * B + margin, towards which term.
   double weight = 0.0, sign = 1.0, margin = 0.0;
-  double LossSums::*term = nullptr;
+  LossTerm term = LossTerm::barrier_sets;
   double cost = 0.0;
 };
 
@@ -87,7 +87,7 @@ struct FusedLoss<T>::Chunk {
   std::vector<T> features, tangent, features_adjoint, tangent_adjoint;  // [rows, features]
   std::vector<T> barrier, barrier_dot, barrier_adjoint, barrier_dot_adjoint;
   std::vector<T> f_origin_adjoint, V_origin_adjoint;  // of N(0)
-  LossSums sums;
+  PerTerm<double> sums{};
   std::vector<Work> work;
   double cost = 0.0;
 };
@@ -132,7 +132,7 @@ void FusedLoss<T>::share_out(const BatchView<T>& batch) {
     return static_cast<double>(network.parameters());
   };
   const auto region = [&](const PointsView<T>& points, double weight, double sign, double margin,
-                          double LossSums::*term) {
+                          LossTerm term) {
     Work work{.kind = Work::Kind::region, .points = nullptr, .first = 0, .rows = 0};
     work.weight = points.count > 0 ? weight / static_cast<double>(points.count) : 0.0;
     work.sign = sign;
@@ -143,19 +143,21 @@ void FusedLoss<T>::share_out(const BatchView<T>& batch) {
   using Kind = typename Work::Kind;
   tiles(batch.workspace, {.kind = Kind::workspace, .points = nullptr, .first = 0, .rows = 0},
         3.0 * products(f_) + 6.0 * (products(V_) + products(B_)));
-  if (options_.imitation > 0.0 && trains_ == Trains::all)
+  if (options_.weight[LossTerm::imitation] > 0.0 && trains_ == Trains::all)
     tiles(batch.position, {.kind = Kind::demonstrations, .points = nullptr, .first = 0, .rows = 0},
           3.0 * products(f_));
-  if (options_.obstacle_normal > 0.0 && options_.kind != "paper" && trains_ == Trains::all)
+  if (options_.weight[LossTerm::obstacle_normal] > 0.0 && options_.kind != "paper" && trains_ == Trains::all)
     tiles(batch.boundary, {.kind = Kind::boundary, .points = nullptr, .first = 0, .rows = 0},
           3.0 * products(f_));
-  region(batch.initial, options_.barrier_sets, 1.0, options_.margin_initial, &LossSums::barrier_sets);
-  region(batch.unsafe, options_.barrier_sets, -1.0, options_.margin_unsafe, &LossSums::barrier_sets);
+  region(batch.initial, options_.weight[LossTerm::barrier_sets], 1.0, options_.margin_initial,
+         LossTerm::barrier_sets);
+  region(batch.unsafe, options_.weight[LossTerm::barrier_sets], -1.0, options_.margin_unsafe,
+         LossTerm::barrier_sets);
   if (options_.kind != "paper") {
-    region(batch.safe, options_.rollout_safety, 1.0, options_.margin_rollout_safety,
-           &LossSums::rollout_safety);
-    region(batch.unsafe_rollouts, options_.rollout_safety, -1.0, options_.margin_rollout_safety,
-           &LossSums::rollout_safety);
+    region(batch.safe, options_.weight[LossTerm::rollout_safety], 1.0, options_.margin_rollout_safety,
+           LossTerm::rollout_safety);
+    region(batch.unsafe_rollouts, options_.weight[LossTerm::rollout_safety], -1.0,
+           options_.margin_rollout_safety, LossTerm::rollout_safety);
   }
   std::stable_sort(all.begin(), all.end(), [](const Work& a, const Work& b) { return a.cost > b.cost; });
   for (const Work& work : all) {
@@ -182,8 +184,9 @@ void FusedLoss<T>::run_demonstrations(Chunk& chunk, const Work& work, const Batc
   chunk.f.forward(work.rows, work.points, nullptr, chunk.velocity.data(), nullptr);
   for (ptrdiff_t i = 0; i < work.rows * n; ++i) {
     const T error = chunk.velocity[i] - f_at_origin_[i % n] - target[i];
-    chunk.sums.mse += share * static_cast<double>(error) * static_cast<double>(error);
-    const T adjoint = static_cast<T>(2.0 * options_.imitation * share) * error;
+    chunk.sums[LossTerm::imitation] += options_.weight[LossTerm::imitation] * share *
+                                       static_cast<double>(error) * static_cast<double>(error);
+    const T adjoint = static_cast<T>(2.0 * options_.weight[LossTerm::imitation] * share) * error;
     chunk.velocity_adjoint[i] = adjoint;
     chunk.f_origin_adjoint[i % n] -= adjoint;
   }
@@ -193,7 +196,8 @@ void FusedLoss<T>::run_demonstrations(Chunk& chunk, const Work& work, const Batc
 template <typename T>
 void FusedLoss<T>::run_boundary(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
   const ptrdiff_t n = dimension_;
-  const double weight = options_.obstacle_normal / static_cast<double>(batch.boundary.count);
+  const double weight =
+      options_.weight[LossTerm::obstacle_normal] / static_cast<double>(batch.boundary.count);
   chunk.f.forward(work.rows, work.points, nullptr, chunk.velocity.data(), nullptr);
   for (ptrdiff_t s = 0; s < work.rows; ++s) {
     const T* normal = batch.normal.data + (work.first + s) * n;
@@ -202,7 +206,7 @@ void FusedLoss<T>::run_boundary(Chunk& chunk, const Work& work, const BatchView<
       leaving +=
           static_cast<double>(normal[k]) * static_cast<double>(chunk.velocity[s * n + k] - f_at_origin_[k]);
     const Penalty penalty = rectify(options_.margin_obstacle_normal - leaving, 0.0);
-    chunk.sums.obstacle_normal += weight * penalty.value;
+    chunk.sums[LossTerm::obstacle_normal] += weight * penalty.value;
     for (ptrdiff_t k = 0; k < n; ++k) {
       const T adjoint = static_cast<T>(-weight * penalty.slope) * normal[k];
       chunk.velocity_adjoint[s * n + k] = adjoint;
@@ -218,7 +222,7 @@ void FusedLoss<T>::run_region(Chunk& chunk, const Work& work) const {
   const double leak = options_.kind == "paper" ? options_.leak : 0.0;
   for (ptrdiff_t i = 0; i < work.rows; ++i) {
     const Penalty penalty = rectify(work.sign * static_cast<double>(chunk.barrier[i]) + work.margin, leak);
-    chunk.sums.*work.term += work.weight * penalty.value;
+    chunk.sums[work.term] += work.weight * penalty.value;
     chunk.barrier_adjoint[i] = static_cast<T>(work.weight * work.sign * penalty.slope);
   }
   chunk.B.backward(chunk.barrier_adjoint.data(), nullptr, nullptr);
@@ -236,13 +240,14 @@ SampleLoss robust_loss(const LossOptions& o, double V, double V_dot, double B, d
   SampleLoss loss;
   const double scale = V + 1e-6, q = V_dot / scale + o.decay_rate;
   if (!(q <= 0.0)) {
-    loss.lyapunov = o.lyapunov * std::log1p(q);
-    loss.by_V_dot = o.lyapunov / (1.0 + q) / scale;
+    loss.lyapunov = o.weight[LossTerm::lyapunov] * std::log1p(q);
+    loss.by_V_dot = o.weight[LossTerm::lyapunov] / (1.0 + q) / scale;
     loss.by_V = -loss.by_V_dot * V_dot / scale;
   }
   const double z = B_dot + o.margin_barrier_decrease;
   if (!(z <= 0.0)) {
-    const double weight = o.barrier_decrease * std::exp(-(B / o.band_width) * (B / o.band_width));
+    const double weight =
+        o.weight[LossTerm::barrier_decrease] * std::exp(-(B / o.band_width) * (B / o.band_width));
     loss.barrier_decrease = weight * z;
     loss.by_B_dot = weight;
   }
@@ -253,11 +258,11 @@ SampleLoss paper_loss(const LossOptions& o, double V, double V_dot, double B_dot
   const Penalty positive = rectify(o.margin_positive - V, o.leak);
   const Penalty decrease = rectify(V_dot - o.margin_decrease, o.leak);
   const Penalty barrier_decrease = rectify(B_dot - o.margin_barrier_decrease, o.leak);
-  return {.lyapunov = o.lyapunov * (positive.value + decrease.value),
-          .barrier_decrease = o.barrier_decrease * barrier_decrease.value,
-          .by_V = -o.lyapunov * positive.slope,
-          .by_V_dot = o.lyapunov * decrease.slope,
-          .by_B_dot = o.barrier_decrease * barrier_decrease.slope};
+  return {.lyapunov = o.weight[LossTerm::lyapunov] * (positive.value + decrease.value),
+          .barrier_decrease = o.weight[LossTerm::barrier_decrease] * barrier_decrease.value,
+          .by_V = -o.weight[LossTerm::lyapunov] * positive.slope,
+          .by_V_dot = o.weight[LossTerm::lyapunov] * decrease.slope,
+          .by_B_dot = o.weight[LossTerm::barrier_decrease] * barrier_decrease.slope};
 }
 
 }  // namespace
@@ -271,7 +276,7 @@ void FusedLoss<T>::run_workspace(Chunk& chunk, const Work& work, const BatchView
   T* direction = chunk.velocity.data();
   chunk.f.forward(rows, x, nullptr, direction, nullptr);
   for (ptrdiff_t i = 0; i < rows * n; ++i) direction[i] -= f_at_origin_[i % n];
-  const bool with_V = options_.lyapunov > 0.0;
+  const bool with_V = options_.weight[LossTerm::lyapunov] > 0.0;
   if (with_V) chunk.V.forward(rows, x, direction, chunk.features.data(), chunk.tangent.data());
   chunk.B.forward(rows, x, direction, chunk.barrier.data(), chunk.barrier_dot.data());
 
@@ -296,8 +301,8 @@ void FusedLoss<T>::run_workspace(Chunk& chunk, const Work& work, const BatchView
     const double B = chunk.barrier[s], B_dot = chunk.barrier_dot[s];
     const SampleLoss loss =
         paper ? paper_loss(options_, V, V_dot, B_dot) : robust_loss(options_, V, V_dot, B, B_dot);
-    chunk.sums.lyapunov += share * loss.lyapunov;
-    chunk.sums.barrier_decrease += share * loss.barrier_decrease;
+    chunk.sums[LossTerm::lyapunov] += share * loss.lyapunov;
+    chunk.sums[LossTerm::barrier_decrease] += share * loss.barrier_decrease;
     const double by_V = share * loss.by_V, by_V_dot = share * loss.by_V_dot;
     T* feature_adjoint = chunk.features_adjoint.data() + s * m;
     T* tangent_adjoint = chunk.tangent_adjoint.data() + s * m;
@@ -352,8 +357,8 @@ void FusedLoss<T>::run_origins() {
 }
 
 template <typename T>
-LossSums FusedLoss<T>::run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch,
-                           T* gradient_f, T* gradient_V, T* gradient_B) {
+PerTerm<double> FusedLoss<T>::run(const T* theta_f, const T* theta_V, const T* theta_B,
+                                  const BatchView<T>& batch, T* gradient_f, T* gradient_V, T* gradient_B) {
   f_.load(theta_f);
   V_.load(theta_V);
   B_.load(theta_B);
@@ -379,14 +384,9 @@ LossSums FusedLoss<T>::run(const T* theta_f, const T* theta_V, const T* theta_B,
   }
   if (trains_ == Trains::all) run_origins();
 
-  LossSums sums;
+  PerTerm<double> sums{};
   for (const auto& chunk : chunks_) {
-    sums.mse += chunk->sums.mse;
-    sums.lyapunov += chunk->sums.lyapunov;
-    sums.barrier_sets += chunk->sums.barrier_sets;
-    sums.barrier_decrease += chunk->sums.barrier_decrease;
-    sums.rollout_safety += chunk->sums.rollout_safety;
-    sums.obstacle_normal += chunk->sums.obstacle_normal;
+    for (const LossTerm term : all_loss_terms) sums[term] += chunk->sums[term];
   }
   const auto add_up = [&](FusedTile<T> Chunk::*network, T* gradient) {
     FusedTile<T>& total = *chunks_.front().*network;

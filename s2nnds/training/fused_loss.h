@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "s2nnds/networks/fused_network.h"
+#include "s2nnds/training/batch.h"
 #include "s2nnds/training/trainer_options.h"
 
 namespace s2nnds {
@@ -16,26 +17,13 @@ struct PointsView {
 };
 
 template <typename T>
-struct BatchView {
-  PointsView<T> position, velocity, workspace, initial, unsafe, safe, unsafe_rollouts, boundary, normal;
-};
+using BatchView = BatchOf<PointsView<T>>;
 
 // A network's layers and what is made of their output.
 struct NetworkShape {
   std::vector<LayerShape> layers;
   Head head = Head::plain;
   double quadratic = 0.0;
-};
-
-// The terms of a step's loss, each with its weight applied, except mse; 0 where the weight is 0, since
-// nothing is computed for it then.
-struct LossSums {
-  double mse = 0.0;
-  double lyapunov = 0.0;
-  double barrier_sets = 0.0;
-  double barrier_decrease = 0.0;
-  double rollout_safety = 0.0;
-  double obstacle_normal = 0.0;
 };
 
 enum class Trains { all, barrier };  // whose gradients are wanted
@@ -53,10 +41,11 @@ class FusedLoss {
   FusedLoss(const FusedLoss&) = delete;
   FusedLoss& operator=(const FusedLoss&) = delete;
 
-  // Writes the gradients of the total loss, mse weighted, in the flat parameters of f, V and B; those of f
-  // and V are zero when the barrier alone trains.
-  LossSums run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch, T* gradient_f,
-               T* gradient_V, T* gradient_B);
+  // Returns the terms, each with its weight applied, and writes the gradients of their sum in the flat
+  // parameters of f, V and B; those of f and V are zero when the barrier alone trains. Nothing is computed for
+  // a term of weight 0.
+  PerTerm<double> run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch,
+                      T* gradient_f, T* gradient_V, T* gradient_B);
 
  private:
   struct Chunk;

@@ -1,5 +1,7 @@
 #include "s2nnds/training/joint_loss.h"
 
+#include <numeric>
+
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {
@@ -49,14 +51,14 @@ JointLoss::JointLoss(const Modules& networks, const LossOptions& options, Trains
   }
 }
 
-LossTerms JointLoss::operator()(const BatchTensors& batch) {
+LossValue JointLoss::operator()(const BatchTensors& batch) {
   if (float_sweep_) return run(*float_sweep_, batch);
   if (double_sweep_) return run(*double_sweep_, batch);
   return joint_loss(networks_, batch, options_);
 }
 
 template <typename T>
-LossTerms JointLoss::run(FusedLoss<T>& sweep, const BatchTensors& batch) {
+LossValue JointLoss::run(FusedLoss<T>& sweep, const BatchTensors& batch) {
   const torch::Tensor f = networks_.f->network->theta, V = networks_.V->network->theta,
                       B = networks_.B->network->theta;
   std::vector<torch::Tensor> kept;  // contiguous copies, where there had to be any
@@ -67,32 +69,17 @@ LossTerms JointLoss::run(FusedLoss<T>& sweep, const BatchTensors& batch) {
     kept.push_back(x.contiguous());
     return {kept.back().data_ptr<T>(), x.size(0)};
   };
-  const BatchView<T> views{view(batch.position),        view(batch.velocity), view(batch.workspace),
-                           view(batch.initial),         view(batch.unsafe),   view(batch.safe),
-                           view(batch.unsafe_rollouts), view(batch.boundary), view(batch.normal)};
+  const auto views = transform<PointsView<T>>(batch, view);
   check(views.position.count == views.velocity.count, "joint loss: found {} positions and {} velocities",
         views.position.count, views.velocity.count);
   check(views.boundary.count == views.normal.count, "joint loss: found {} boundary points and {} normals",
         views.boundary.count, views.normal.count);
   const tensor_list gradients = {torch::empty_like(f), torch::empty_like(V), torch::empty_like(B)};
-  const LossSums sums =
+  const PerTerm<double> terms =
       sweep.run(f.data_ptr<T>(), V.data_ptr<T>(), B.data_ptr<T>(), views, gradients[0].data_ptr<T>(),
                 gradients[1].data_ptr<T>(), gradients[2].data_ptr<T>());
-  const auto scalar = [&](double value) {
-    return torch::scalar_tensor(value, f.options().requires_grad(false));
-  };
-  LossTerms terms{scalar(sums.mse),
-                  scalar(sums.lyapunov),
-                  scalar(sums.barrier_sets),
-                  scalar(sums.barrier_decrease),
-                  scalar(sums.rollout_safety),
-                  scalar(sums.obstacle_normal),
-                  {}};
-  terms.total = Differentiated::apply(f, V, B,
-                                      options_.imitation * sums.mse + sums.lyapunov + sums.barrier_sets +
-                                          sums.barrier_decrease + sums.rollout_safety + sums.obstacle_normal,
-                                      gradients);
-  return terms;
+  const double total = std::accumulate(terms.begin(), terms.end(), 0.0);
+  return {terms, Differentiated::apply(f, V, B, total, gradients)};
 }
 
 }  // namespace s2nnds

@@ -17,12 +17,12 @@ class JointLoss {
   // With Trains::barrier, the gradients of f and V are left out where that saves time.
   JointLoss(const Modules& networks, const LossOptions& options, Trains trains = Trains::all);
 
-  // terms.total is differentiable in the networks' parameters. Throws Error if tensors do not fit.
-  LossTerms operator()(const BatchTensors& batch);
+  // total is differentiable in the networks' parameters. Throws Error if tensors do not fit.
+  LossValue operator()(const BatchTensors& batch);
 
  private:
   template <typename T>
-  LossTerms run(FusedLoss<T>& sweep, const BatchTensors& batch);
+  LossValue run(FusedLoss<T>& sweep, const BatchTensors& batch);
 
   Modules networks_;
   LossOptions options_;

@@ -17,14 +17,18 @@ enum class LossTerm : std::size_t {
   obstacle_normal,   // f points outwards on the obstacle's boundary
 };
 
-inline constexpr std::array<LossTerm, 6> all_loss_terms = {
-    LossTerm::imitation,        LossTerm::lyapunov,       LossTerm::barrier_sets,
-    LossTerm::barrier_decrease, LossTerm::rollout_safety, LossTerm::obstacle_normal};
+// In the order of the enumerators: keys of the configuration, columns of the history.
+inline constexpr std::array<std::string_view, 6> loss_term_names = {
+    "imitation", "lyapunov", "barrier_sets", "barrier_decrease", "rollout_safety", "obstacle_normal"};
+
+inline constexpr auto all_loss_terms = [] {
+  std::array<LossTerm, loss_term_names.size()> all{};
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<LossTerm>(k);
+  return all;
+}();
 
 constexpr std::string_view to_string(LossTerm term) {
-  constexpr std::array<std::string_view, all_loss_terms.size()> names = {
-      "imitation", "lyapunov", "barrier_sets", "barrier_decrease", "rollout_safety", "obstacle_normal"};
-  return names[static_cast<std::size_t>(term)];
+  return loss_term_names[static_cast<std::size_t>(term)];
 }
 
 // One T for every term of the loss.
@@ -32,7 +36,9 @@ template <typename T>
 struct PerTerm : std::array<T, all_loss_terms.size()> {
   using Base = std::array<T, all_loss_terms.size()>;
   constexpr T& operator[](LossTerm term) { return Base::operator[](static_cast<std::size_t>(term)); }
-  constexpr const T& operator[](LossTerm term) const { return Base::operator[](static_cast<std::size_t>(term)); }
+  constexpr const T& operator[](LossTerm term) const {
+    return Base::operator[](static_cast<std::size_t>(term));
+  }
 };
 
 }  // namespace s2nnds

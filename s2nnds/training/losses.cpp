@@ -55,40 +55,44 @@ torch::Tensor mean_penalty(const torch::Tensor& values, const torch::Tensor& lik
   return mean_or_zero(values.defined() ? penalty(values) : torch::Tensor(), like);
 }
 
-void robust_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
+void robust_terms(const Outputs& out, const LossOptions& o, PerTerm<torch::Tensor>& terms) {
   const torch::Tensor& like = out.velocity;
   const torch::Tensor q = out.V.derivative / (out.V.value + 1e-6) + o.decay_rate;
-  terms.lyapunov = o.lyapunov * torch::log1p(torch::relu(q)).mean();
+  terms[LossTerm::lyapunov] = o.weight[LossTerm::lyapunov] * torch::log1p(torch::relu(q)).mean();
   const auto below = [&](double margin) {
     return [=](const torch::Tensor& b) { return torch::relu(b + margin); };
   };
   const auto above_zero = [&](double margin) {
     return [=](const torch::Tensor& b) { return torch::relu(margin - b); };
   };
-  terms.barrier_sets = o.barrier_sets * (mean_penalty(out.initial, like, below(o.margin_initial)) +
-                                         mean_penalty(out.unsafe, like, above_zero(o.margin_unsafe)));
+  terms[LossTerm::barrier_sets] =
+      o.weight[LossTerm::barrier_sets] * (mean_penalty(out.initial, like, below(o.margin_initial)) +
+                                          mean_penalty(out.unsafe, like, above_zero(o.margin_unsafe)));
   const torch::Tensor weight = torch::exp(-(out.B.value.detach() / o.band_width).square());
-  terms.barrier_decrease =
-      o.barrier_decrease * (weight * torch::relu(out.B.derivative + o.margin_barrier_decrease)).mean();
-  terms.rollout_safety =
-      o.rollout_safety * (mean_penalty(out.safe, like, below(o.margin_rollout_safety)) +
-                          mean_penalty(out.unsafe_rollouts, like, above_zero(o.margin_rollout_safety)));
-  terms.obstacle_normal =
-      o.obstacle_normal * mean_penalty(out.leaving, like, above_zero(o.margin_obstacle_normal));
+  terms[LossTerm::barrier_decrease] =
+      o.weight[LossTerm::barrier_decrease] *
+      (weight * torch::relu(out.B.derivative + o.margin_barrier_decrease)).mean();
+  terms[LossTerm::rollout_safety] =
+      o.weight[LossTerm::rollout_safety] *
+      (mean_penalty(out.safe, like, below(o.margin_rollout_safety)) +
+       mean_penalty(out.unsafe_rollouts, like, above_zero(o.margin_rollout_safety)));
+  terms[LossTerm::obstacle_normal] = o.weight[LossTerm::obstacle_normal] *
+                                     mean_penalty(out.leaving, like, above_zero(o.margin_obstacle_normal));
 }
 
-void paper_terms(const Outputs& out, const LossOptions& o, LossTerms& terms) {
+void paper_terms(const Outputs& out, const LossOptions& o, PerTerm<torch::Tensor>& terms) {
   const torch::Tensor& like = out.velocity;
   const auto leaky = [&](const torch::Tensor& z) { return torch::leaky_relu(z, o.leak); };
-  terms.lyapunov =
-      o.lyapunov *
+  terms[LossTerm::lyapunov] =
+      o.weight[LossTerm::lyapunov] *
       (leaky(o.margin_positive - out.V.value) + leaky(out.V.derivative - o.margin_decrease)).mean();
-  terms.barrier_sets =
-      o.barrier_sets *
+  terms[LossTerm::barrier_sets] =
+      o.weight[LossTerm::barrier_sets] *
       (mean_penalty(out.initial, like, [&](const torch::Tensor& b) { return leaky(b + o.margin_initial); }) +
        mean_penalty(out.unsafe, like, [&](const torch::Tensor& b) { return leaky(o.margin_unsafe - b); }));
-  terms.barrier_decrease = o.barrier_decrease * leaky(out.B.derivative - o.margin_barrier_decrease).mean();
-  terms.rollout_safety = terms.obstacle_normal = torch::zeros({}, like.options());
+  terms[LossTerm::barrier_decrease] =
+      o.weight[LossTerm::barrier_decrease] * leaky(out.B.derivative - o.margin_barrier_decrease).mean();
+  terms[LossTerm::rollout_safety] = terms[LossTerm::obstacle_normal] = torch::zeros({}, like.options());
 }
 
 }  // namespace
@@ -97,18 +101,22 @@ torch::Tensor imitation_loss(const torch::Tensor& predicted, const torch::Tensor
   return (predicted - velocity).square().sum(1).mean();
 }
 
-LossTerms joint_loss(Modules& networks, const BatchTensors& batch, const LossOptions& options) {
+LossValue joint_loss(Modules& networks, const BatchTensors& batch, const LossOptions& options) {
   const Outputs out = evaluate(networks, batch);
-  LossTerms terms;
-  terms.mse = imitation_loss(out.velocity, batch.velocity);
+  PerTerm<torch::Tensor> terms;
+  terms[LossTerm::imitation] =
+      options.weight[LossTerm::imitation] * imitation_loss(out.velocity, batch.velocity);
   if (options.kind == "paper") {
     paper_terms(out, options, terms);
   } else {
     robust_terms(out, options, terms);
   }
-  terms.total = options.imitation * terms.mse + terms.lyapunov + terms.barrier_sets + terms.barrier_decrease +
-                terms.rollout_safety + terms.obstacle_normal;
-  return terms;
+  LossValue loss{.terms = {}, .total = torch::zeros({}, out.velocity.options())};
+  for (const LossTerm term : all_loss_terms) {
+    loss.terms[term] = terms[term].item<double>();
+    loss.total = loss.total + terms[term];
+  }
+  return loss;
 }
 
 }  // namespace s2nnds

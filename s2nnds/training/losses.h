@@ -5,6 +5,7 @@
 #include "s2nnds/networks/barrier.h"
 #include "s2nnds/networks/lyapunov.h"
 #include "s2nnds/networks/vector_field.h"
+#include "s2nnds/training/batch.h"
 #include "s2nnds/training/trainer_options.h"
 
 namespace s2nnds {
@@ -16,19 +17,13 @@ struct Modules {
   Barrier B{nullptr};
 };
 
-// A training step's samples as tensors: [N, n] each; undefined where there are none.
-struct BatchTensors {
-  torch::Tensor position, velocity, workspace, initial, unsafe, safe, unsafe_rollouts, boundary, normal;
-};
+// A training step's samples as tensors; a set without points may be undefined.
+using BatchTensors = BatchOf<torch::Tensor>;
 
-// The terms of a step's loss, each with its weight applied. Undefined terms do not apply.
-struct LossTerms {
-  torch::Tensor mse;  // unweighted
-  torch::Tensor lyapunov;
-  torch::Tensor barrier_sets;
-  torch::Tensor barrier_decrease;
-  torch::Tensor rollout_safety;
-  torch::Tensor obstacle_normal;
+// A step's loss: its terms, each with its weight applied, and their sum, which is differentiable in the
+// networks' parameters.
+struct LossValue {
+  PerTerm<double> terms{};
   torch::Tensor total;
 };
 
@@ -36,6 +31,6 @@ struct LossTerms {
 torch::Tensor imitation_loss(const torch::Tensor& predicted, const torch::Tensor& velocity);
 
 // The loss of LossOptions on one batch.
-LossTerms joint_loss(Modules& networks, const BatchTensors& batch, const LossOptions& options);
+LossValue joint_loss(Modules& networks, const BatchTensors& batch, const LossOptions& options);
 
 }  // namespace s2nnds

@@ -52,14 +52,8 @@ std::vector<Demonstration> fitted_samples(const std::vector<Demonstration>& demo
 // Without a obstacle_normal no boundary points are drawn.
 BatchOptions batch_options(const TrainerOptions& options) {
   BatchOptions batch = options.batch;
-  if (options.loss.obstacle_normal == 0.0) batch.boundary = 0;
+  if (options.loss.weight[LossTerm::obstacle_normal] == 0.0) batch.boundary = 0;
   return batch;
-}
-
-BatchTensors tensors(const Batch& batch) {
-  return {tensor(batch.position),        tensor(batch.velocity), tensor(batch.workspace),
-          tensor(batch.initial),         tensor(batch.unsafe),   tensor(batch.safe),
-          tensor(batch.unsafe_rollouts), tensor(batch.boundary), tensor(batch.normal)};
 }
 
 }  // namespace
@@ -215,31 +209,27 @@ class Trainer::Impl {
     for (std::int64_t step = 0; step < options_.steps; ++step) {
       if (seeks_band(step)) {
         seek_band(candidates);
-        batch = tensors(sampler_.draw(random));
+        batch = transform<torch::Tensor>(sampler_.draw(random), tensor);
       } else {
         drawing.wait();
         batch = std::move(next);
       }
       if (step + 1 < options_.steps && !seeks_band(step + 1)) {
-        drawing.start([&] { next = tensors(sampler_.draw(random)); });
+        drawing.start([&] { next = transform<torch::Tensor>(sampler_.draw(random), tensor); });
       }
-      const LossTerms terms = loss(batch);
+      const LossValue value = loss(batch);
       for (torch::Tensor& parameter : parameters) parameter.mutable_grad() = torch::Tensor();
-      terms.total.backward();
+      value.total.backward();
       for (std::size_t k = first_trained; k < optimizers.size(); ++k) {
         optimizers[k].step(plan.rate * annealed(step) * rates[k], parameters[k].numel(),
                            parameters[k].grad().data_ptr<float>(), parameters[k].data_ptr<float>());
       }
       const double share = 1.0 / static_cast<double>(options_.steps);
-      row.loss += share * terms.total.item<double>();
-      row.mse += share * terms.mse.item<double>();
-      row.lyapunov += share * terms.lyapunov.item<double>();
-      row.barrier_sets += share * terms.barrier_sets.item<double>();
-      row.barrier_decrease += share * terms.barrier_decrease.item<double>();
-      row.rollout_safety += share * terms.rollout_safety.item<double>();
-      row.obstacle_normal += share * terms.obstacle_normal.item<double>();
+      row.loss += share * value.total.item<double>();
+      for (const LossTerm term : all_loss_terms) row.loss_terms[term] += share * value.terms[term];
     }
-    if (plan.only_barrier) row.mse = history_.back().mse;
+    const double weight = plan.loss.weight[LossTerm::imitation];
+    row.mse = weight > 0.0 ? row.loss_terms[LossTerm::imitation] / weight : history_.back().mse;
     return row;
   }
 
@@ -259,15 +249,15 @@ class Trainer::Impl {
     RoundPlan plan = {false, std::max(options_.rate_floor, std::pow(options_.rate_decay, age)),
                       options_.loss};
     const auto restarts = static_cast<double>((round - 1) / options_.rate_period);
-    plan.loss.imitation *= std::pow(options_.restart_mse, restarts);
-    plan.loss.rollout_safety *= std::pow(options_.restart_rollout_safety, restarts);
-    plan.loss.obstacle_normal *= std::pow(options_.restart_rollout_safety, restarts);
+    plan.loss.weight[LossTerm::imitation] *= std::pow(options_.restart_mse, restarts);
+    plan.loss.weight[LossTerm::rollout_safety] *= std::pow(options_.restart_rollout_safety, restarts);
+    plan.loss.weight[LossTerm::obstacle_normal] *= std::pow(options_.restart_rollout_safety, restarts);
     const std::int64_t refining = starts_anew(round) ? 0 : refine_round();
     if (refining == 0) return plan;
     plan.rate *= options_.refine_rate;
-    plan.loss.rollout_safety *= std::pow(options_.refine_labels, refining);
-    plan.loss.obstacle_normal *= std::pow(options_.refine_labels, refining);
-    plan.loss.barrier_decrease *= options_.refine_band;
+    plan.loss.weight[LossTerm::rollout_safety] *= std::pow(options_.refine_labels, refining);
+    plan.loss.weight[LossTerm::obstacle_normal] *= std::pow(options_.refine_labels, refining);
+    plan.loss.weight[LossTerm::barrier_decrease] *= options_.refine_band;
     return plan;
   }
 
@@ -297,17 +287,19 @@ class Trainer::Impl {
 
   RoundPlan imitation_finetune_plan() const {
     RoundPlan plan = {false, options_.imitation_finetune_rate, options_.loss};
-    plan.loss.imitation *= careful(Stage::imitation_finetune, options_.imitation_finetune_mse);
+    plan.loss.weight[LossTerm::imitation] *=
+        careful(Stage::imitation_finetune, options_.imitation_finetune_mse);
     return plan;
   }
 
   // What concerns B alone.
   RoundPlan enlarge_plan() const {
     RoundPlan plan = {true, options_.enlarge_rate, options_.loss};
-    plan.loss.imitation = plan.loss.lyapunov = plan.loss.obstacle_normal = 0.0;
-    plan.loss.rollout_safety *= careful(Stage::enlarge, options_.enlarge_labels);
-    plan.loss.barrier_sets *= options_.enlarge_margins;
-    plan.loss.barrier_decrease *= options_.enlarge_margins;
+    plan.loss.weight[LossTerm::imitation] = plan.loss.weight[LossTerm::lyapunov] =
+        plan.loss.weight[LossTerm::obstacle_normal] = 0.0;
+    plan.loss.weight[LossTerm::rollout_safety] *= careful(Stage::enlarge, options_.enlarge_labels);
+    plan.loss.weight[LossTerm::barrier_sets] *= options_.enlarge_margins;
+    plan.loss.weight[LossTerm::barrier_decrease] *= options_.enlarge_margins;
     return plan;
   }
 
@@ -323,7 +315,7 @@ class Trainer::Impl {
   }
 
   bool uses_labels() const {
-    return labels && options_.rollout_points > 0 && options_.loss.rollout_safety > 0.0 &&
+    return labels && options_.rollout_points > 0 && options_.loss.weight[LossTerm::rollout_safety] > 0.0 &&
            options_.loss.kind != "paper";
   }
 
@@ -343,7 +335,8 @@ class Trainer::Impl {
   void seek_backtracked(Stage stage) {
     const Points none(0, problem_.dimension());
     Backtracked found = {none, none, none};
-    if (options_.backtrack_motions > 0 && options_.loss.barrier_decrease > 0.0 && stage == Stage::search) {
+    if (options_.backtrack_motions > 0 && options_.loss.weight[LossTerm::barrier_decrease] > 0.0 &&
+        stage == Stage::search) {
       found = backtrack(networks(), problem_, sampler_.pools().workspace, sampler_.position(),
                         sampler_.velocity(),
                         {options_.backtrack_motions, options_.level_band, options_.backtrack_gain});

@@ -18,14 +18,10 @@ enum class Stage : std::uint8_t { search, imitation_finetune, enlarge };
 
 // One row of the history: a round of joint training and the search for counterexamples after it.
 struct RoundSummary {
-  std::int64_t round = 0;  // from 1; 0 is the warm start
-  double loss = 0.0;       // means over the round's steps
-  double mse = 0.0;
-  double lyapunov = 0.0;
-  double barrier_sets = 0.0;
-  double barrier_decrease = 0.0;
-  double rollout_safety = 0.0;
-  double obstacle_normal = 0.0;
+  std::int64_t round = 0;        // from 1; 0 is the warm start
+  double loss = 0.0;             // mean over the round's steps, as the next two
+  PerTerm<double> loss_terms{};  // with their weights: they add up to the loss
+  double mse = 0.0;              // of f on the demonstrations; the last round's where f does not train
   std::array<std::int64_t, condition_count> counts{};  // counterexamples found, by condition
   std::int64_t first_found = 0;                        // of these, by the first source: random search
   std::int64_t pool = 0;                               // counterexamples kept for training

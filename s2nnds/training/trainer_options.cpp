@@ -14,10 +14,10 @@ void WarmStartOptions::visit(FieldVisitor& v) {
 
 void LossOptions::visit(FieldVisitor& v) {
   v.field("kind", kind, {"robust", "paper"});
-  v.field("imitation", imitation, at_least(0.0));
-  v.field("lyapunov", lyapunov, at_least(0.0));
-  v.field("barrier_sets", barrier_sets, at_least(0.0));
-  v.field("barrier_decrease", barrier_decrease, at_least(0.0));
+  for (const LossTerm term : all_loss_terms) {
+    const bool in_paper = term != LossTerm::rollout_safety && term != LossTerm::obstacle_normal;
+    if (kind != "paper" || in_paper) v.field(std::string(to_string(term)), weight[term], at_least(0.0));
+  }
   v.field("margin_initial", margin_initial, at_least(0.0));
   v.field("margin_unsafe", margin_unsafe, at_least(0.0));
   v.field("margin_barrier_decrease", margin_barrier_decrease, at_least(0.0));
@@ -27,8 +27,6 @@ void LossOptions::visit(FieldVisitor& v) {
     v.field("leak", leak, between(0.0, 1.0));
     return;
   }
-  v.field("rollout_safety", rollout_safety, at_least(0.0));
-  v.field("obstacle_normal", obstacle_normal, at_least(0.0));
   v.field("decay_rate", decay_rate, at_least(0.0));
   v.field("band_width", band_width, above(0.0));
   v.field("margin_rollout_safety", margin_rollout_safety, at_least(0.0));
@@ -111,11 +109,7 @@ TrainerOptions paper_training() {
   options.smoothing = options.obstacle_margin = options.batch.start_jitter = 0.0;
   options.weight_decay = options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
-                  .imitation = 10.0,
-                  .lyapunov = 1.0,
-                  .barrier_sets = 1.0,
-                  .barrier_decrease = 1.0,
-                  .obstacle_normal = 0.0,
+                  .weight = {{10.0, 1.0, 1.0, 1.0, 1.0, 0.0}},
                   .margin_initial = 0.01,
                   .margin_unsafe = 0.01,
                   .margin_barrier_decrease = 0.0};
@@ -129,9 +123,8 @@ TrainerOptions imitation_training() {
   options.rounds = options.min_rounds;
   options.rollout_points = 0;
   options.refine_rounds = options.imitation_finetune_rounds = options.enlarge_rounds = 0;
-  options.samples = 1000;  // what they find trains nothing
-  options.loss.lyapunov = options.loss.barrier_sets = options.loss.barrier_decrease =
-      options.loss.rollout_safety = options.loss.obstacle_normal = 0.0;
+  options.samples = 1000;                                              // what they find trains nothing
+  options.loss.weight = {{options.loss.weight[LossTerm::imitation]}};  // the others are 0
   return options;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "s2nnds/core/options.h"
+#include "s2nnds/training/loss_term.h"
 
 namespace s2nnds {
 
@@ -35,15 +36,18 @@ struct WarmStartOptions {
 //   LR_a(Bdot - margin_barrier_decrease) on X.
 struct LossOptions {
   std::string kind = "robust";
-  double imitation = 10.0;
-  double lyapunov = 5.0;
-  double barrier_sets = 2.0;
-  double barrier_decrease = 5.0;
-  double rollout_safety = 1.0;
-  // Motions that would meet the obstacle turn aside before it, which leaves more of the workspace safe. Not
-  // all can: V falls along every motion, so followed backwards those that end at the obstacle come from the
-  // workspace's edge. The gap through which they come gets narrower, and the certificate harder to find.
-  double obstacle_normal = 0.1;
+  PerTerm<double> weight = {{
+      10.0,  // imitation
+      5.0,   // lyapunov
+      2.0,   // barrier_sets
+      5.0,   // barrier_decrease
+      1.0,   // rollout_safety
+      // obstacle_normal. Motions that would meet the obstacle turn aside before it, which leaves more of the
+      // workspace safe. Not all can: V falls along every motion, so followed backwards those that end at the
+      // obstacle come from the workspace's edge. The gap through which they come gets narrower, and the
+      // certificate harder to find.
+      0.1,
+  }};
   double decay_rate = 0.1;
   double margin_initial = 0.05;
   double margin_unsafe = 0.05;

@@ -39,9 +39,8 @@ class ImitationSweep {
   static NetworkShape unused(const VectorField& f) { return {{{f->network->inputs(), 1}}}; }
   static LossOptions only_imitation() {
     LossOptions options;
-    options.imitation = 1.0;
-    options.lyapunov = options.barrier_sets = options.barrier_decrease = options.rollout_safety =
-        options.obstacle_normal = 0.0;
+    options.weight = {};
+    options.weight[LossTerm::imitation] = 1.0;
     return options;
   }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {
@@ -21,10 +23,9 @@ TEST(Config, EveryProfileComesBackFromItsText) {
 TEST(Config, ImitationAsksForNothingButTheDemonstrations) {
   const Config config = parse_config("profile = \"imitation\"", "test");
   const LossOptions& loss = config.training.loss;
-  EXPECT_GT(loss.imitation, 0.0);
-  EXPECT_EQ(
-      loss.lyapunov + loss.barrier_sets + loss.barrier_decrease + loss.rollout_safety + loss.obstacle_normal,
-      0.0);
+  EXPECT_GT(loss.weight[LossTerm::imitation], 0.0);
+  EXPECT_EQ(std::accumulate(loss.weight.begin(), loss.weight.end(), 0.0) - loss.weight[LossTerm::imitation],
+            0.0);
   EXPECT_EQ(config.training.rounds, 5);
   EXPECT_NE(config.verification.method, "proof");
 }

@@ -49,12 +49,12 @@ Result run(const Case& c, Engine engine) {
   Modules modules = make(c, engine);
   LossOptions options;
   options.kind = c.loss;
-  options.obstacle_normal = 0.7;
+  options.weight[LossTerm::obstacle_normal] = 0.7;
   options.margin_obstacle_normal = 0.3;
-  const LossTerms terms = JointLoss(modules, options)(draw(c));
-  terms.total.backward();
+  const LossValue loss = JointLoss(modules, options)(draw(c));
+  loss.total.backward();
   return {
-      terms.total.item<double>(),
+      loss.total.item<double>(),
       {modules.f->network->theta.grad(), modules.V->network->theta.grad(), modules.B->network->theta.grad()}};
 }
 
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(All, Engines, testing::ValuesIn(cases()), [](const auto
 TEST(JointLoss, OfTheBarrierAloneHasTheSameGradientInB) {
   const Case c{"tanh", 2, "robust", torch::kFloat32};
   LossOptions options;
-  options.imitation = options.lyapunov = 0.0;
+  options.weight[LossTerm::imitation] = options.weight[LossTerm::lyapunov] = 0.0;
   std::vector<torch::Tensor> of_B;
   for (const Trains trains : {Trains::all, Trains::barrier}) {
     Modules modules = make(c, Engine::fused);
@@ -136,11 +136,11 @@ TEST(RobustLoss, DeflectionIsWhatTheNormalVelocityLacks) {
     batch.boundary = torch::tensor({{1.0, 0.3}, {-0.2, -1.0}}, c.dtype);
     batch.normal = torch::tensor({{1.0, 0.0}, {0.0, -1.0}}, c.dtype);
     LossOptions o;
-    o.obstacle_normal = 2.0;
+    o.weight[LossTerm::obstacle_normal] = 2.0;
     o.margin_obstacle_normal = 0.3;
-    EXPECT_NEAR(JointLoss(modules, o)(batch).obstacle_normal.item<double>(), 2.0 * 0.3, 1e-12);
+    EXPECT_NEAR(JointLoss(modules, o)(batch).terms[LossTerm::obstacle_normal], 2.0 * 0.3, 1e-12);
     batch.boundary = batch.normal = torch::Tensor();
-    EXPECT_EQ(JointLoss(modules, o)(batch).obstacle_normal.item<double>(), 0.0);
+    EXPECT_EQ(JointLoss(modules, o)(batch).terms[LossTerm::obstacle_normal], 0.0);
   }
 }
 
@@ -163,10 +163,12 @@ TEST(PaperLoss, MatchesTheFormulas) {
   o.margin_unsafe = 0.05;
   o.margin_barrier_decrease = 0.04;
   o.leak = 0.1;
-  const LossTerms terms = JointLoss(modules, o)(draw(c));
-  EXPECT_NEAR(terms.lyapunov.item<double>(), o.lyapunov * (0.01 + 0.1 * -0.03), 1e-12);
-  EXPECT_NEAR(terms.barrier_sets.item<double>(), o.barrier_sets * (0.72 + 0.1 * -0.65), 1e-12);
-  EXPECT_NEAR(terms.barrier_decrease.item<double>(), o.barrier_decrease * (0.1 * -0.04), 1e-12);
+  const LossValue loss = JointLoss(modules, o)(draw(c));
+  EXPECT_NEAR(loss.terms[LossTerm::lyapunov], o.weight[LossTerm::lyapunov] * (0.01 + 0.1 * -0.03), 1e-12);
+  EXPECT_NEAR(loss.terms[LossTerm::barrier_sets], o.weight[LossTerm::barrier_sets] * (0.72 + 0.1 * -0.65),
+              1e-12);
+  EXPECT_NEAR(loss.terms[LossTerm::barrier_decrease], o.weight[LossTerm::barrier_decrease] * (0.1 * -0.04),
+              1e-12);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "s2nnds/core/check.h"
@@ -188,7 +189,7 @@ TEST(Trainer, DemonstrationsAndLabelsWeighLessWithEveryRestart) {
   options.refine_rounds = 0;
   options.restart_mse = 0.25;
   options.restart_rollout_safety = 0.0;
-  options.loss.obstacle_normal = 1.0;
+  options.loss.weight[LossTerm::obstacle_normal] = 1.0;
   options.loss.margin_obstacle_normal = 2.0;
   Trainer trainer = fixture.trainer(5);
   trainer.run();
@@ -197,12 +198,12 @@ TEST(Trainer, DemonstrationsAndLabelsWeighLessWithEveryRestart) {
   for (std::size_t round : {1, 2, 3, 4, 5, 6}) {
     const RoundSummary& row = history[round];
     const int restarts = static_cast<int>(round - 1) / 2;
-    const double others = row.lyapunov + row.barrier_sets + row.barrier_decrease + row.rollout_safety +
-                          row.obstacle_normal;  // with their weights
-    const double expected = std::pow(0.25, restarts) * options.loss.imitation * row.mse + others;
-    EXPECT_NEAR(row.loss, expected, 1e-4 * row.loss) << round;
-    EXPECT_EQ(row.rollout_safety == 0.0, restarts > 0) << round;
-    EXPECT_EQ(row.obstacle_normal == 0.0, restarts > 0) << round;
+    const double expected = std::pow(0.25, restarts) * options.loss.weight[LossTerm::imitation] * row.mse;
+    EXPECT_NEAR(row.loss_terms[LossTerm::imitation], expected, 1e-4 * expected) << round;
+    EXPECT_NEAR(row.loss, std::accumulate(row.loss_terms.begin(), row.loss_terms.end(), 0.0),
+                1e-4 * row.loss);
+    EXPECT_EQ(row.loss_terms[LossTerm::rollout_safety] == 0.0, restarts > 0) << round;
+    EXPECT_EQ(row.loss_terms[LossTerm::obstacle_normal] == 0.0, restarts > 0) << round;
   }
 }
 
@@ -309,8 +310,7 @@ TEST(BatchSampler, DrawsRepairsBesideDemonstrationsAndLabels) {
   RandomStream random(1, "batch test");
   const Batch with = sampler.draw(random);
   ASSERT_EQ(with.unsafe_rollouts.rows(), options.labels / 2 + options.upstream);
-  EXPECT_EQ((with.unsafe_rollouts.topRows(options.labels / 2).array() == 0.2).count(),
-            options.labels);
+  EXPECT_EQ((with.unsafe_rollouts.topRows(options.labels / 2).array() == 0.2).count(), options.labels);
   EXPECT_EQ((with.unsafe_rollouts.bottomRows(options.upstream).array() == 0.3).count(), 2 * options.upstream);
   ASSERT_EQ(with.position.rows(), options.demonstrations + options.corrections);
   ASSERT_EQ(with.velocity.rows(), with.position.rows());
