@@ -84,10 +84,11 @@ json claims_of(const ProofResult& proof) {
   json claims = {{"seconds", proof.seconds}};
   for (const ConditionProof& condition : proof.conditions) {
     const ConditionVerdict& verdict = condition.verdict;
-    claims["conditions"][verdict.condition] = {{"verdict", verdict.verdict},
-                                               {"boxes", verdict.boxes},
-                                               {"witness", verdict.witness},
-                                               {"worst", verdict.worst}};
+    claims["conditions"][std::string(to_string(verdict.condition))] = {
+        {"verdict", to_string(verdict.verdict)},
+        {"boxes", verdict.boxes},
+        {"witness", verdict.witness},
+        {"worst", verdict.worst}};
   }
   return claims;
 }

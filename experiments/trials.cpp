@@ -18,6 +18,7 @@
 #include "s2nnds/runs/config.h"
 #include "s2nnds/runs/prepared_run.h"
 #include "s2nnds/runs/summary.h"
+#include "s2nnds/runs/version.h"
 #include "s2nnds/sweeps/process_pool.h"
 
 namespace s2nnds::experiment {
@@ -355,7 +356,7 @@ Table table_of_robustness(const std::vector<TrialResult>& results, const Argumen
     if (free == results.end() || certified.trial.name.find("-test") != std::string::npos) continue;
     const PreparedRun setup = prepare(certified.record, arguments.data);
     const Networks& networks = certified.record.networks;
-    const bool guaranteed = certified.record.certificate.guarantee != "none";
+    const bool guaranteed = certified.record.certificate.guarantee != Guarantee::none;
     const auto ours = measure_robustness(networks.f, guaranteed ? &networks.B : nullptr, setup.problem,
                                          setup.demonstrations, 0);
     const auto theirs =

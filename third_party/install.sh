@@ -9,7 +9,7 @@ packages=(
   libtbb-dev                   # loops shared among threads
   libeigen3-dev libboost-dev   # matrices; Math, Odeint, Multiprecision, autodiff (headers only)
   libhdf5-dev hdf5-tools       # run files
-  libspdlog-dev libfmt-dev     # the programs' log and all messages
+  libfmt-dev libspdlog-dev     # all messages; the program's log (users of the library need no spdlog)
   libmatio-dev                 # MATLAB files
   libtomlplusplus-dev libcli11-dev nlohmann-json3-dev
   libonnx-dev libprotobuf-dev  # ONNX export

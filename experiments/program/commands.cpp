@@ -1,12 +1,14 @@
 #include "commands.h"
 
 #include <fmt/core.h>
+#include <spdlog/spdlog.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "progress.h"
 #include "python_script.h"
+#include "run_report.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/cpp_header.h"
@@ -26,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void report(const RunRecord& record, const std::string& path, const CommonArguments& common) {
-  print_summary(record, path);
+  fmt::print("{}", first_screen(record, path));
   if (common.json) fmt::print("{}\n", summary_json(record, path));
 }
 
@@ -56,12 +58,12 @@ ordered_json report_demonstrations(const PreparedRun& setup, const NetworkWeight
 
 // Whether the run has at least the guarantee that its configuration asks for.
 int exit_code(const PreparedRun& setup, const RunRecord& record) {
-  const std::string& method = setup.config.verification.method;
-  const Guarantee wanted = method == "proof"
-                               ? (setup.problem.workspace_margin ? Guarantee::invariant : Guarantee::proved)
-                           : method == "conformal" ? Guarantee::conformal
-                                                   : Guarantee::sampled;
-  return guarantee_from(record.certificate.guarantee) >= wanted ? kVerified : kNotVerified;
+  const Method method = setup.config.verification.method;
+  const Guarantee wanted = method == Method::sampled        ? Guarantee::sampled
+                           : method == Method::conformal    ? Guarantee::conformal
+                           : setup.problem.workspace_margin ? Guarantee::invariant
+                                                            : Guarantee::proved;
+  return record.certificate.guarantee >= wanted ? kVerified : kNotVerified;
 }
 
 std::string sibling(const std::string& run, const std::string& suffix) {
@@ -106,7 +108,7 @@ PolicyInfo policy_info(const RunRecord& record) {
   info.position_scale = record.data.normalization.position_scale;
   info.velocity_scale = record.data.normalization.velocity_scale;
   info.unit = record.data.unit;
-  info.guarantee = record.certificate.guarantee;
+  info.guarantee = to_string(record.certificate.guarantee);
   info.statement = record.certificate.statement;
   info.workspace_lower = record.problem.workspace.lower;
   info.workspace_upper = record.problem.workspace.upper;
@@ -119,9 +121,8 @@ PolicyInfo policy_info(const RunRecord& record) {
 
 void verify_and_evaluate(const PreparedRun& setup, RunRecord& record) {
   const VerificationOptions& options = setup.config.verification;
-  s2nnds::verify(setup, record, "sampled", options);
-  if (options.method != "sampled") s2nnds::verify(setup, record, "conformal", options);
-  if (options.method == "proof") s2nnds::verify(setup, record, "proof", options, proof_printer());
+  for (const Method method : {Method::sampled, Method::conformal, Method::proof})
+    if (method <= options.method) s2nnds::verify(setup, record, method, options, proof_printer());
   s2nnds::evaluate(setup, record);
 }
 
@@ -137,8 +138,8 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
   hooks.checkpoint = [&](const RunRecord& record) { save_run(start.path, record); };
   const TrainerSummary summary = s2nnds::train(start.setup, start.record, hooks);
   if (summary.left_out_samples > 0) {
-    fmt::print(stderr, "{} demonstration samples within {} of the unsafe set were left out of the fit\n",
-               summary.left_out_samples, start.setup.config.training.obstacle_margin);
+    spdlog::warn("{} demonstration samples within {} of the unsafe set were left out of the fit",
+                 summary.left_out_samples, start.setup.config.training.obstacle_margin);
   }
   verify_and_evaluate(start.setup, start.record);
   save_run(start.path, start.record);
@@ -156,12 +157,16 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   if (arguments.epsilon) options.conformal.epsilon = *arguments.epsilon;
   if (arguments.beta) options.conformal.beta = *arguments.beta;
   validate(options);
-  s2nnds::verify(setup, record, arguments.method, options, proof_printer());
+  const Method method = enum_from<Method>(arguments.method);
+  s2nnds::verify(setup, record, method, options, proof_printer());
   save_run(arguments.run, record);
+  fmt::print("{}", condition_tables(record.certificate));
   report(record, arguments.run, common);
-  const std::string wanted = arguments.method == "proof" ? "proved" : "passed";
-  for (const ConditionVerdict& verdict : record.certificate.conditions) {
-    if (verdict.method == arguments.method && verdict.verdict != wanted) return kNotVerified;
+  const bool proof = method == Method::proof;
+  if (proof && !record.certificate.side.hold()) return kNotVerified;
+  for (const ConditionVerdict& found : record.certificate.conditions) {
+    const Verdict wanted = proof ? Verdict::proved : Verdict::passed;
+    if (found.method == method && found.verdict != wanted) return kNotVerified;
   }
   return kVerified;
 }
@@ -173,7 +178,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
   const PreparedRun setup = prepare(record, data_directory(common.data));
   s2nnds::evaluate(setup, record);
   save_run(arguments.run, record);
-  print_summary(record, arguments.run);
+  fmt::print("{}", first_screen(record, arguments.run));
   ordered_json demonstrations = ordered_json::array();
   for (const std::string& split : arguments.splits) {
     for (ordered_json& row : report_demonstrations(setup, record.networks.f, split))
@@ -222,27 +227,16 @@ int plot(const PlotArguments& arguments) {
   return run_python("plot", S2NNDS_PLOT_SCRIPT, {arguments.run, "--out", out});
 }
 
-int info(const std::string& run, const CommonArguments& common) {
+int info(const InfoArguments& arguments, const CommonArguments& common) {
   set_threads(common.threads);
-  const RunRecord record = load_run(run);
-  fmt::print("{}: schema {}, written by version {} ({}), {}\n", run, run_schema_version,
-             record.program_version, record.library_versions, record.created);
-  fmt::print("  dimension {}, {} demonstrations, workspace [{}, {}]^{}, unsafe set: {}, initial set: {}\n",
-             record.data.dimension, record.data.demonstrations.size(), record.problem.workspace.lower[0],
-             record.problem.workspace.upper[0], record.data.dimension, record.problem.unsafe,
-             record.problem.initial);
-  fmt::print("  position scale {} {}, velocity scale {}, weights {}\n",
-             record.data.normalization.position_scale, record.data.unit,
-             record.data.normalization.velocity_scale, weight_hash(record.networks));
-  if (record.checkpoint) {
-    fmt::print("  rounds {}, training {}\n", record.checkpoint->round,
-               record.checkpoint->finished ? "finished" : "not finished (train --resume goes on)");
+  const RunRecord record = load_run(arguments.run);
+  fmt::print("{}", first_screen(record, arguments.run));
+  if (arguments.all) {
+    fmt::print("\n{}", details(record));
+  } else {
+    fmt::print("  --all tells conditions, configuration, the last rounds, hashes and versions.\n");
   }
-  const ThreadCounts threads = thread_counts();
-  fmt::print("  threads here: loops {}, ATen {}, BLAS {}\n", threads.loops, threads.aten,
-             threads.blas ? std::to_string(*threads.blas) : "without its own");
-  print_summary(record, run);
-  if (common.json) fmt::print("{}\n", summary_json(record, run));
+  if (common.json) fmt::print("{}\n", summary_json(record, arguments.run));
   return kVerified;
 }
 

@@ -57,6 +57,10 @@ struct PlotArguments {
 };
 int plot(const PlotArguments& arguments);
 
-int info(const std::string& run, const CommonArguments& common);
+struct InfoArguments {
+  std::string run;
+  bool all = false;  // details after the first screen
+};
+int info(const InfoArguments& arguments, const CommonArguments& common);
 
 }  // namespace s2nnds::program

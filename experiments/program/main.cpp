@@ -2,12 +2,15 @@
 
 #include <fmt/core.h>
 #include <malloc.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
 
 #include "commands.h"
+#include "log.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/runs/version.h"
 #include "sweep_command.h"
 
 namespace {
@@ -18,6 +21,8 @@ int run(int argc, char** argv) {
   CLI::App app("Learns robot motions from demonstrations and certifies that they converge and stay safe.",
                "s2nnds");
   app.require_subcommand(1);
+  app.set_version_flag("--version", fmt::format("s2nnds {} ({})\n{}", s2nnds::program_version(),
+                                                s2nnds::build_type(), s2nnds::library_versions()));
   CommonArguments common;
   int code = kVerified;
   const auto command = [&](const char* name, const char* help) {
@@ -100,10 +105,11 @@ int run(int argc, char** argv) {
                   "what to start for each trial (for tests; default: this program)");
   sub->callback([&] { code = sweep(sweeping, common); });
 
-  std::string path;
+  InfoArguments told;
   sub = command("info", "say what a run file holds");
-  sub->add_option("run", path, "run file")->required();
-  sub->callback([&] { code = info(path, common); });
+  sub->add_option("run", told.run, "run file")->required();
+  sub->add_flag("--all", told.all, "also conditions, configuration, the last rounds, hashes, versions");
+  sub->callback([&] { code = info(told, common); });
 
   try {
     app.parse(argc, argv);
@@ -114,7 +120,7 @@ int run(int argc, char** argv) {
     const bool other_word = app.get_subcommands().empty() && argc > 1;
     s2nnds::fail("{}{}", other_word ? fmt::format("unknown command {}: ", argv[1]) : "", e.what());
   } catch (const CLI::ParseError& e) {
-    fmt::print(stderr, "s2nnds: {}\n", e.what());
+    spdlog::error("s2nnds: {}", e.what());
     return kBadInput;
   }
   return code;
@@ -127,14 +133,15 @@ int main(int argc, char** argv) {
   // the system.
   mallopt(M_MMAP_THRESHOLD, 1 << 28);
   mallopt(M_TRIM_THRESHOLD, 1 << 28);
+  start_log();
   std::signal(SIGXFSZ, SIG_IGN);  // a full disk is then an error of the write, which is reported
   try {
     return run(argc, argv);
   } catch (const s2nnds::Error& e) {
-    fmt::print(stderr, "s2nnds: {}\n", e.what());
+    spdlog::error("s2nnds: {}", e.what());
     return kBadInput;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "s2nnds: internal failure: {}\n", e.what());
+    spdlog::error("s2nnds: internal failure: {}", e.what());
     return kInternalFailure;
   }
 }

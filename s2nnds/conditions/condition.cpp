@@ -131,24 +131,6 @@ void check_points(const SafetyProblem& problem, double level_band, const Points&
 
 }  // namespace
 
-std::string_view to_string(Condition condition) {
-  switch (condition) {
-    case Condition::lyapunov_positive:
-      return "lyapunov_positive";
-    case Condition::lyapunov_decrease:
-      return "lyapunov_decrease";
-    case Condition::initial:
-      return "initial";
-    case Condition::unsafe:
-      return "unsafe";
-    case Condition::containment:
-      return "containment";
-    case Condition::barrier_decrease:
-      return "barrier_decrease";
-  }
-  fail("condition: found the value {}, expected 0 to {}", static_cast<int>(condition), condition_count - 1);
-}
-
 bool allows_zero(Condition condition) { return condition == Condition::initial; }
 
 Points residuals(const Networks& networks, const SafetyProblem& problem, double level_band, const Points& x,

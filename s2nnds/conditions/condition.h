@@ -3,6 +3,7 @@
 #include <array>
 #include <string_view>
 
+#include "s2nnds/core/enum_names.h"
 #include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/safety_problem.h"
 
@@ -24,7 +25,12 @@ inline constexpr std::array<Condition, 6> all_conditions = {
     Condition::containment,       Condition::barrier_decrease};
 inline constexpr Eigen::Index condition_count = all_conditions.size();
 
-std::string_view to_string(Condition condition);
+template <>
+struct EnumNames<Condition> {
+  static constexpr std::string_view what = "condition";
+  static constexpr auto names = std::to_array<std::string_view>(
+      {"lyapunov_positive", "lyapunov_decrease", "initial", "unsafe", "containment", "barrier_decrease"});
+};
 
 // rho <= 0 suffices; otherwise rho < 0 is needed.
 bool allows_zero(Condition condition);

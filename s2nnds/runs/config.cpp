@@ -21,7 +21,7 @@ struct ProfileOnly {
 }  // namespace
 
 void VerificationOptions::visit(FieldVisitor& v) {
-  v.field("method", method, {"sampled", "conformal", "proof"});
+  visit_enum(v, "method", method);
   v.group("sampled", sampled);
   v.group("conformal", conformal);
   v.group("proof", proof);
@@ -52,7 +52,7 @@ Config default_config(const std::string& profile) {
   if (profile == "robust") return config;
   if (profile == "imitation") {
     config.training = imitation_training();
-    config.verification.method = "sampled";
+    config.verification.method = Method::sampled;
     return config;
   }
   check(profile == "paper", "profile: found \"{}\", expected robust, paper or imitation", profile);
@@ -60,7 +60,7 @@ Config default_config(const std::string& profile) {
   config.problem.contain = false;
   config.networks = paper_networks();
   config.training = paper_training();
-  config.verification.method = "conformal";
+  config.verification.method = Method::conformal;
   return config;
 }
 

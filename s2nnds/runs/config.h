@@ -18,7 +18,7 @@ namespace s2nnds {
 struct VerificationOptions {
   // What `train` ends with: sampled, conformal, or proof. With proof, the prover's open boxes also go back
   // into training.
-  std::string method = "proof";
+  Method method = Method::proof;
   SampledOptions sampled;
   ConformalOptions conformal;
   ProofOptions proof;

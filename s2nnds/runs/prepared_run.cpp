@@ -1,5 +1,7 @@
 #include "s2nnds/runs/prepared_run.h"
 
+#include "s2nnds/runs/version.h"
+
 namespace s2nnds {
 
 PreparedRun prepare(const Config& config, const std::string& data_dir) {

@@ -3,9 +3,7 @@
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <boost/version.hpp>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -348,15 +346,6 @@ void RunTiming::visit(FieldVisitor& v) {
   v.field("proof", proof, any_number());
   v.field("disturbance_margin", disturbance_margin, any_number());
   v.field("evaluation", evaluation, any_number());
-}
-
-std::string program_version() { return S2NNDS_VERSION; }
-
-std::string library_versions() {
-  return fmt::format("HDF5 {}, Eigen {}.{}.{}, Boost {}.{}.{}, fmt {}.{}.{}", hdf5_version(),
-                     EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, BOOST_VERSION / 100000,
-                     BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100, FMT_VERSION / 10000,
-                     FMT_VERSION / 100 % 100, FMT_VERSION % 100);
 }
 
 std::string time_stamp() {

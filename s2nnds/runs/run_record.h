@@ -129,9 +129,6 @@ struct RunRecord {
 
 inline constexpr std::int64_t run_schema_version = 1;
 
-std::string program_version();
-std::string
-library_versions();  // of those that this library links, PyTorch excepted: "HDF5 1.10.8, Eigen 3.4.0, ..."
 std::string time_stamp();  // now, UTC: "2024-05-31T12:00:00Z"
 
 // Throws Error naming the item whose shape, index or value does not fit: saving checks what loading checks.

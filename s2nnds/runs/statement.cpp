@@ -9,95 +9,165 @@ namespace {
 
 std::string number(double value) { return fmt::format("{:.4g}", value); }
 
-std::string proof_statement(const RunRecord& record) {
-  const Certificate& c = record.certificate;
-  std::string text = fmt::format(
-      "Proved for every point of the workspace, in exact arithmetic for the networks with these "
-      "double-precision weights "
-      "(rounding of the proof itself is covered): V > 0 and V decreases along motions everywhere but at the "
-      "goal, B <= 0 on the "
-      "initial set, B > 0 on the unsafe set{}, and B decreases where |B| <= {}. ",
-      record.problem.containment > 0 ? " and on the workspace's outer margin" : "", number(c.level_band));
-  if (c.guarantee != "invariant") {
-    return text +
-           "It is not proved that {B <= 0} lies inside the workspace, so a motion is covered only while it "
-           "stays inside.";
-  }
-  text +=
-      "{B <= 0} lies inside the workspace and contains the initial set, so every motion xdot = f(x) that "
-      "starts in it stays in "
-      "it for ever, never touches the unsafe set, and converges to the goal.";
-  if (!(c.disturbance_margin > 0)) return text + " No margin against disturbances was certified.";
-  const double unit = record.data.normalization.velocity_scale,
-               length = record.data.normalization.position_scale;
-  text += fmt::format(
-      " It also stays there under any disturbance xdot = f(x) + w with |w| <= {} (normalised; {} {}/s)",
-      number(c.disturbance_margin), number(c.disturbance_margin * unit), record.data.unit);
-  if (c.convergence_radius < record.problem.workspace.half_widths().minCoeff()) {
-    text +=
-        fmt::format(", and then converges to a ball of radius {} ({} {}) around the goal",
-                    number(c.convergence_radius), number(c.convergence_radius * length), record.data.unit);
-  }
-  text += fmt::format(". Evaluating f in float32 is wrong by at most {} (normalised), which this margin {}.",
-                      number(c.float32_error),
-                      c.float32_error < c.disturbance_margin ? "covers" : "does NOT cover");
-  return text;
+// "0.02 (1 mm/s)"; without a unit, the normalised number alone. `per` is "" or "/s".
+std::string quantity(double normalised, double scale, const RunData& data, const char* per) {
+  if (data.unit.empty()) return number(normalised) + " (normalised)";
+  return fmt::format("{} {}{} ({} normalised)", number(normalised * scale), data.unit, per,
+                     number(normalised));
+}
+std::string speed(double normalised, const RunData& data) {
+  return quantity(normalised, data.normalization.velocity_scale, data, "/s");
+}
+std::string length(double normalised, const RunData& data) {
+  return quantity(normalised, data.normalization.position_scale, data, "");
 }
 
-std::string sample_statement(const RunRecord& record) {
-  const Certificate& certificate = record.certificate;
-  const std::string& method = certificate.guarantee;
+std::string all_conditions_in_words(const RunRecord& record) {
+  return fmt::format(
+      "V > 0 and V decreases along motions everywhere but at the goal, B <= 0 on the initial set, B > 0 on "
+      "the "
+      "unsafe set{}, and B decreases where |B| <= {}",
+      record.problem.containment > 0 ? " and on the workspace's outer margin" : "",
+      number(record.certificate.level_band));
+}
+
+// What all samples of one method say together.
+struct SampleFigures {
   std::int64_t samples = 0, attempt = 0;
-  double epsilon = 0.0, confidence = 0.0;
+  double epsilon = 0.0, beta = 0.0;  // the largest, and the sum
+};
+
+SampleFigures figures_of(Method method, const Certificate& certificate) {
+  SampleFigures all;
   for (const ConditionVerdict& verdict : certificate.conditions) {
     if (verdict.method != method) continue;
-    samples = std::max(samples, verdict.samples);
-    epsilon = std::max(epsilon, verdict.epsilon);
-    confidence += verdict.beta;
-    attempt = std::max(attempt, verdict.attempt);
+    all.samples = std::max(all.samples, verdict.samples);
+    all.attempt = std::max(all.attempt, verdict.attempt);
+    all.epsilon = std::max(all.epsilon, verdict.epsilon);
+    all.beta += verdict.beta;
   }
-  if (method == "sampled") {
-    return fmt::format(
-        "No violation of any condition was found among {} uniform samples of the workspace (fewer in the "
-        "smaller regions), "
-        "seed {}. That is no statement about the points between them.",
-        samples, record.seed);
-  }
-  return fmt::format(
-      "With confidence 1 - {} (attempt {}, {} fresh samples a region, seed {}), each condition holds on all "
-      "but a share of at "
-      "most epsilon = {} of its region: V decreases along motions in the workspace, B <= 0 on the initial "
-      "set, B > 0 on the "
-      "unsafe set{}, and B decreases where |B| <= {}. This is a statement about random points, one at a "
-      "time; a violation on a "
-      "smaller set is not excluded, so it does not prove that every motion is safe.",
-      number(confidence), attempt, samples, record.seed, number(epsilon),
-      record.problem.containment > 0 ? " and on the workspace's outer margin" : "",
-      number(certificate.level_band));
+  return all;
 }
 
-// Samples that passed must not hide a point that a proof knows to violate a condition.
-std::string refutation(const Certificate& certificate) {
+std::string names_of(Verdict wanted, const Certificate& certificate) {
+  std::string names;
+  for (const Condition condition : all_conditions) {
+    const bool found = std::any_of(certificate.conditions.begin(), certificate.conditions.end(),
+                                   [&](const ConditionVerdict& verdict) {
+                                     return verdict.condition == condition && verdict.verdict == wanted;
+                                   });
+    if (found) names += fmt::format("{}{}", names.empty() ? "" : ", ", to_string(condition));
+  }
+  return names;
+}
+
+std::string disturbance_in_words(const RunRecord& record) {
+  const Certificate& c = record.certificate;
+  if (!(c.disturbance_margin > 0)) return " No margin against disturbances was certified.";
+  std::string text = fmt::format(
+      " Motions from the safe set also stay in it under any disturbance xdot = f(x) + w with |w| <= {}",
+      speed(c.disturbance_margin, record.data));
+  if (c.convergence_radius < record.problem.workspace.half_widths().minCoeff()) {
+    text += fmt::format(", and then converge to a ball of radius {} around the goal",
+                        length(c.convergence_radius, record.data));
+  }
+  return text + fmt::format(". Evaluating f in float32 is wrong by at most {}, which this margin {}.",
+                            speed(c.float32_error, record.data),
+                            c.float32_error < c.disturbance_margin ? "covers" : "does NOT cover");
+}
+
+std::string details(const RunRecord& record) {
+  const Certificate& certificate = record.certificate;
+  switch (certificate.guarantee) {
+    case Guarantee::none:
+      return "";
+    case Guarantee::sampled:
+      return fmt::format(
+          " Checked: {}. The samples are uniform over the workspace, fewer in the smaller regions; seed {}.",
+          all_conditions_in_words(record), record.seed);
+    case Guarantee::conformal: {
+      const SampleFigures all = figures_of(Method::conformal, certificate);
+      return fmt::format(
+          " The conditions are: {}. This was attempt {}, with {} fresh samples a region, seed {}. It is a "
+          "statement about random points, one at a time: a violation on a smaller set is not excluded, so it "
+          "does not prove that every motion is safe.",
+          all_conditions_in_words(record), all.attempt, all.samples, record.seed);
+    }
+    case Guarantee::proved:
+    case Guarantee::invariant:
+      return fmt::format(
+          " Proved: {}. The proof holds in exact arithmetic for the networks with these double-precision "
+          "weights; its own rounding is covered.{}",
+          all_conditions_in_words(record),
+          certificate.guarantee == Guarantee::invariant ? disturbance_in_words(record) : "");
+  }
+  return "";
+}
+
+// A point that a proof knows to violate a condition is told whatever else is guaranteed.
+std::string refutations(const RunRecord& record) {
   std::string text;
-  for (const ConditionVerdict& verdict : certificate.conditions) {
-    if (verdict.method != "proof" || verdict.verdict != "refuted") continue;
-    text += fmt::format(" But the proof REFUTED {}: it is violated at ({:.6g}).", verdict.condition,
+  for (const ConditionVerdict& verdict : record.certificate.conditions) {
+    if (verdict.verdict != Verdict::refuted) continue;
+    text += fmt::format(" The proof REFUTED {}: it is violated at ({:.6g})", to_string(verdict.condition),
                         fmt::join(verdict.witness, ", "));
+    if (!record.data.unit.empty()) {
+      std::vector<double> position = verdict.witness;
+      for (double& coordinate : position) coordinate *= record.data.normalization.position_scale;
+      text +=
+          fmt::format(", which is ({:.6g}) {} from the goal", fmt::join(position, ", "), record.data.unit);
+    }
+    text += ".";
   }
   return text;
 }
 
 }  // namespace
 
-std::string guarantee_statement(const RunRecord& record) {
-  const std::string& guarantee = record.certificate.guarantee;
-  if (guarantee == "none") {
-    return "Nothing is guaranteed: a condition was violated at a sampled point, or nothing was checked.";
+std::string guarantee_sentence(const RunRecord& record) {
+  const Certificate& certificate = record.certificate;
+  switch (certificate.guarantee) {
+    case Guarantee::none: {
+      if (certificate.conditions.empty()) return "Nothing is guaranteed: nothing was checked.";
+      for (const auto& [verdict, words] :
+           {std::pair{Verdict::refuted, "The proof refuted"}, std::pair{Verdict::failed, "Samples violate"},
+            std::pair{Verdict::undecided, "The proof left open"}}) {
+        const std::string names = names_of(verdict, certificate);
+        if (!names.empty()) return fmt::format("Nothing is guaranteed. {}: {}.", words, names);
+      }
+      return "Nothing is guaranteed.";
+    }
+    case Guarantee::sampled:
+      return fmt::format(
+          "No violation of any condition was found at {} uniform samples. That is no statement about the "
+          "points between them.",
+          figures_of(Method::sampled, certificate).samples);
+    case Guarantee::conformal: {
+      const SampleFigures all = figures_of(Method::conformal, certificate);
+      return fmt::format(
+          "With confidence 1 - {}, each condition holds on all but a share of at most epsilon = {} of its "
+          "region.",
+          number(all.beta), number(all.epsilon));
+    }
+    case Guarantee::proved:
+      return "All conditions are proved for every point of the workspace. It is not proved that {B <= 0} "
+             "lies "
+             "inside the workspace, so a motion is covered only while it stays inside.";
+    case Guarantee::invariant:
+      return "Proved: every motion xdot = f(x) that starts in the safe set {B <= 0} stays in it for ever, "
+             "never "
+             "touches the unsafe set, and converges to the goal.";
   }
-  const bool proof = guarantee == "proved" || guarantee == "invariant";
-  return (proof ? proof_statement(record) : sample_statement(record)) + refutation(record.certificate) +
-         " It speaks of the kinematic motion in normalised, goal-centred coordinates, not of a robot's "
-         "tracking error.";
+  return "";
+}
+
+std::string guarantee_statement(const RunRecord& record) {
+  const std::string about = record.certificate.guarantee == Guarantee::none
+                                ? ""
+                                : " This is about the kinematic motion in coordinates around the goal, not "
+                                  "about a robot's tracking "
+                                  "error.";
+  return guarantee_sentence(record) + details(record) + refutations(record) + about;
 }
 
 }  // namespace s2nnds

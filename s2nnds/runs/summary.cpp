@@ -6,49 +6,65 @@
 #include "s2nnds/runs/threads.h"
 
 namespace s2nnds {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json real(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
+
+ordered_json json_of(const ConditionVerdict& verdict) {
+  ordered_json json = {{"verdict", to_string(verdict.verdict)}};
+  if (verdict.method == Method::proof) {
+    json.update({{"boxes", verdict.boxes},
+                 {"open_boxes", verdict.open_boxes},
+                 {"open_volume", verdict.open_volume},
+                 {"witness", verdict.witness}});
+    return json;
+  }
+  json.update(
+      {{"samples", verdict.samples}, {"violations", verdict.violations}, {"worst", real(verdict.worst)}});
+  if (verdict.method == Method::conformal) {
+    json.update({{"p", real(verdict.quantile)},
+                 {"l", verdict.order},
+                 {"epsilon", verdict.epsilon},
+                 {"beta", verdict.beta},
+                 {"attempt", verdict.attempt},
+                 {"tightest_epsilon", verdict.tightest_epsilon}});
+  }
+  return json;
+}
+
+// Every number of a struct by its name in visit; null where it was not measured.
+template <typename Figures>
+ordered_json json_of_figures(const Figures& figures) {
+  return ordered_json::parse(to_json(figures));
+}
+
+}  // namespace
 
 std::string summary_json(const RunRecord& record, const std::string& path) {
-  using nlohmann::ordered_json;
-  const auto real = [](double value) {
-    return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-  };
-  ordered_json json;
-  json["name"] = record.name;
-  json["seed"] = record.seed;
-  json["guarantee"] = record.certificate.guarantee;
-  json["conditions"] = ordered_json::object();
-  for (const ConditionVerdict& verdict : record.certificate.conditions) {
-    ordered_json& entry = json["conditions"][verdict.condition][verdict.method];
-    entry = {{"verdict", verdict.verdict}, {"samples", verdict.samples}, {"violations", verdict.violations}};
-    entry["worst"] = real(verdict.worst);
-    if (verdict.method == "proof") {
-      entry = {{"verdict", verdict.verdict},
-               {"boxes", verdict.boxes},
-               {"open_boxes", verdict.open_boxes},
-               {"open_volume", verdict.open_volume},
-               {"witness", verdict.witness}};
-    }
-    if (verdict.method == "conformal") {
-      entry["p"] = real(verdict.quantile);
-      entry["l"] = verdict.order;
-      entry["epsilon"] = verdict.epsilon;
-      entry["beta"] = verdict.beta;
-      entry["attempt"] = verdict.attempt;
-      entry["tightest_epsilon"] = verdict.tightest_epsilon;
-    }
-  }
+  const Certificate& certificate = record.certificate;
+  ordered_json json = {{"name", record.name},
+                       {"seed", record.seed},
+                       {"guarantee", to_string(certificate.guarantee)},
+                       {"conditions", ordered_json::object()}};
+  for (const ConditionVerdict& verdict : certificate.conditions)
+    json["conditions"][std::string(to_string(verdict.condition))][std::string(to_string(verdict.method))] =
+        json_of(verdict);
+  json["goal_is_safe"] = certificate.side.goal_is_safe;
+  json["initial_in_workspace"] = certificate.side.initial_in_workspace;
   json["seconds"] = ordered_json::object();
-  const ordered_json timing = ordered_json::parse(to_json(record.timing));
+  const ordered_json timing = json_of_figures(record.timing);
   for (const auto& [name, seconds] : timing.items()) {
     if (!seconds.is_null()) json["seconds"][name] = seconds;
   }
-  json.update(ordered_json::parse(to_json(record.evaluation)));
-  json["disturbance_margin"] = real(record.certificate.disturbance_margin);
-  json["convergence_radius"] = real(record.certificate.convergence_radius);
-  json["float32_error"] = real(record.certificate.float32_error);
+  json.update(json_of_figures(record.evaluation));
+  json["disturbance_margin"] = real(certificate.disturbance_margin);
+  json["convergence_radius"] = real(certificate.convergence_radius);
+  json["float32_error"] = real(certificate.float32_error);
   json["rounds"] = record.checkpoint ? record.checkpoint->round : 0;
-  json["weight_hash"] = record.certificate.weight_hash;
-  json["statement"] = record.certificate.statement;
+  json["weight_hash"] = certificate.weight_hash;
+  json["statement"] = certificate.statement;
   const ThreadCounts threads = thread_counts();
   json["threads"] = {{"loops", threads.loops}, {"aten", threads.aten}, {"blas", nullptr}};
   if (threads.blas) json["threads"]["blas"] = *threads.blas;

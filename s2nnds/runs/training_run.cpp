@@ -15,7 +15,7 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
   const FalsifierOptions search{config.training.samples, config.training.pool_additions};
   trainer.add_source(std::make_shared<RandomFalsifier>(setup.problem, search));
   trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
-  if (config.verification.method == "proof") {
+  if (config.verification.method == Method::proof) {
     ProofOptions quick = ProofOptions::fail_fast();
     if (setup.problem.dimension() > 2)
       quick.max_boxes = quick.max_after_refuted = config.verification.proof.max_boxes;

@@ -41,7 +41,8 @@ PointScore score(const Sweep& sweep, std::int64_t point, const std::vector<const
 }  // namespace
 
 bool counts(const SweepOptions& options, const TrialResult& result) {
-  return !result.failed && guarantee_from(result.guarantee) >= guarantee_from(options.guarantee) &&
+  return !result.failed &&
+         enum_from<Guarantee>(result.guarantee) >= enum_from<Guarantee>(options.guarantee) &&
          (options.dtw_limit == 0.0 || result.metric("dtw_train") <= options.dtw_limit);
 }
 

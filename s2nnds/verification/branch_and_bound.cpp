@@ -2,22 +2,16 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <numeric>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
+#include "s2nnds/core/stopwatch.h"
 
 namespace s2nnds {
 namespace {
 
 constexpr Eigen::Index batch_boxes = 128;
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 struct Level {
   explicit Level(Points low, Points high)
@@ -83,7 +77,7 @@ class OpenBoxes {
 // examined.
 std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& examiners,
                      double seconds_left) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   const Eigen::Index count = level.lower.rows(), batches = (count + batch_boxes - 1) / batch_boxes;
   std::atomic<std::int64_t> examined = 0;
   std::atomic<bool> stop = false;
@@ -94,7 +88,7 @@ std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& ex
                       level.status, level.witness, level.violation, level.cuts};
     examiners.at(static_cast<std::size_t>(worker))->examine(batch);
     examined += batch.count;
-    if (seconds_since(start) > seconds_left) stop = true;
+    if (watch.seconds() > seconds_left) stop = true;
   });
   return examined;
 }
@@ -140,7 +134,7 @@ BranchResult branch_and_bound(Points lower, Points upper,
   check(
       lower.rows() == upper.rows() && lower.cols() == upper.cols() && lower.allFinite() && upper.allFinite(),
       "branch and bound: expected finite boxes with as many lower as upper corners");
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   std::vector<std::unique_ptr<BoxExaminer>> examiners;
   for (int t = 0; t < thread_count(); ++t) examiners.push_back(examiner());
 
@@ -151,7 +145,7 @@ BranchResult branch_and_bound(Points lower, Points upper,
   std::int64_t before_refuted = 0;  // boxes examined until the first refuted one
   Level level(std::move(lower), std::move(upper));
   for (std::int64_t depth = 0; level.lower.rows() > 0; ++depth) {
-    const double left = limits.max_seconds - seconds_since(start);
+    const double left = limits.max_seconds - watch.seconds();
     const bool stop = depth > limits.max_depth || result.boxes + level.lower.rows() > limits.max_boxes ||
                       open.refuted() >= limits.max_refuted ||
                       result.boxes - before_refuted > limits.max_after_refuted ||
@@ -173,13 +167,13 @@ BranchResult branch_and_bound(Points lower, Points upper,
     if (open.refuted() == 0) before_refuted = result.boxes;
     if (progress) {
       progress({result.boxes, static_cast<std::int64_t>(undecided.size()), open.refuted(), depth,
-                seconds_since(start)});
+                watch.seconds()});
     }
     level = next_level(level, undecided);
   }
   open.report(limits.kept_boxes, result);
   result.proved = result.open_boxes == 0;
-  result.seconds = seconds_since(start);
+  result.seconds = watch.seconds();
   return result;
 }
 

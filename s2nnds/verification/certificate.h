@@ -4,22 +4,54 @@
 #include <string>
 #include <vector>
 
+#include "s2nnds/conditions/condition.h"
+#include "s2nnds/core/enum_names.h"
 #include "s2nnds/core/options.h"
 
 namespace s2nnds {
 
-// The guarantees a run can reach, in increasing strength (text in files and on the command line):
-//   none -> sampled -> conformal -> proved (the conditions hold on the whole workspace) -> invariant (proved,
-//   and {B <= 0} lies inside the workspace and contains X0: all its trajectories are safe and converge).
-enum class Guarantee { none, sampled, conformal, proved, invariant };
-std::string_view to_string(Guarantee guarantee);
-Guarantee guarantee_from(std::string_view name);
+// The guarantees that a run can reach, in increasing strength; guarantee_of (guarantee.h) decides which.
+enum class Guarantee {
+  none,
+  sampled,    // no violation at any of the samples
+  conformal,  // each condition holds on all but a share epsilon of its region, with confidence 1 - beta
+  proved,     // the conditions hold on the whole workspace
+  invariant,  // proved, and {B <= 0} lies inside the workspace and contains X0: all motions in it are safe
+};
+template <>
+struct EnumNames<Guarantee> {
+  static constexpr std::string_view what = "guarantee";
+  static constexpr auto names =
+      std::to_array<std::string_view>({"none", "sampled", "conformal", "proved", "invariant"});
+};
+
+// How conditions are checked.
+enum class Method { sampled, conformal, proof };
+template <>
+struct EnumNames<Method> {
+  static constexpr std::string_view what = "method";
+  static constexpr auto names = std::to_array<std::string_view>({"sampled", "conformal", "proof"});
+};
+
+enum class Verdict {
+  passed,  // of samples
+  failed,
+  proved,  // of a proof
+  refuted,
+  undecided,
+};
+template <>
+struct EnumNames<Verdict> {
+  static constexpr std::string_view what = "verdict";
+  static constexpr auto names =
+      std::to_array<std::string_view>({"passed", "failed", "proved", "refuted", "undecided"});
+};
 
 // What one method found out about one condition.
 struct ConditionVerdict {
-  std::string condition;     // to_string(Condition)
-  std::string method;        // sampled, conformal, proof
-  std::string verdict;       // passed, failed (sampled, conformal); proved, refuted, undecided (proof)
+  Condition condition = Condition::lyapunov_positive;
+  Method method = Method::sampled;
+  Verdict verdict = Verdict::undecided;
   std::int64_t samples = 0;  // sampled, conformal: points where the condition applied
   std::int64_t violations = 0;
   std::int64_t seed = 0;  // of the sampling stream
@@ -33,15 +65,23 @@ struct ConditionVerdict {
   std::int64_t boxes = 0;         // proof: boxes examined
   std::int64_t open_boxes = 0;    // proof: boxes left over
   double open_volume = 0.0;
-  std::vector<double> witness;  // refuted: a point that violates the condition
+  std::vector<double> witness;  // refuted: a point [n] that violates the condition, normalised
   double seconds = 0.0;
 
   void visit(FieldVisitor& v);
 };
 
+// What must be proved besides the conditions before {B <= 0} is known to be invariant.
+struct SideConditions {
+  bool goal_is_safe = false;          // B(0) <= 0
+  bool initial_in_workspace = false;  // X0 lies in X
+
+  bool hold() const { return goal_is_safe && initial_in_workspace; }
+  void visit(FieldVisitor& v);
+};
+
 struct Certificate {
-  std::string guarantee = "none";
-  std::string method;               // the last method that was run
+  Guarantee guarantee = Guarantee::none;
   std::string weight_hash;          // of the networks that it speaks of
   std::int64_t attempts = 0;        // conformal verifications made of these weights
   double level_band = 0.0;          // eps_B
@@ -50,6 +90,7 @@ struct Certificate {
   double float32_error = 0.0;       // bound on the error of f evaluated in float32 (normalised velocity)
   std::string statement;            // what holds, in a paragraph a roboticist can read
   std::vector<ConditionVerdict> conditions;
+  SideConditions side;  // found by the last proof
 
   void visit(FieldVisitor& v);
 };

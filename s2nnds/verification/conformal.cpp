@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <boost/math/special_functions/beta.hpp>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
+#include "s2nnds/core/stopwatch.h"
 #include "s2nnds/problem/region_sampler.h"
 #include "s2nnds/verification/band_sampler.h"
 
@@ -31,10 +31,6 @@ double failure_probability(std::int64_t samples, std::int64_t order, double epsi
   const auto l = static_cast<double>(order);
   if (order == 1) return std::exp(n * std::log1p(-epsilon));
   return boost::math::ibetac(l, n + 1.0 - l, epsilon);
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 const RegionPtr* region_of(Condition condition, const SafetyProblem& problem) {
@@ -115,14 +111,14 @@ double quantile(Vector scores, std::int64_t order) {
 
 ConditionVerdict calibrate(Condition condition, const Vector& scores, std::int64_t order, double beta) {
   ConditionVerdict verdict;
-  verdict.condition = to_string(condition);
-  verdict.method = "conformal";
-  verdict.verdict = "failed";
+  verdict.condition = condition;
+  verdict.method = Method::conformal;
+  verdict.verdict = Verdict::failed;
   count_scores(condition, scores, verdict);
   if (scores.size() == 0) return verdict;
   verdict.quantile = quantile(scores, order);
   verdict.tightest_epsilon = tightest_epsilon(scores.size(), verdict.violations, beta);
-  if (!is_violated(condition, verdict.quantile)) verdict.verdict = "passed";
+  if (!is_violated(condition, verdict.quantile)) verdict.verdict = Verdict::passed;
   return verdict;
 }
 
@@ -194,7 +190,7 @@ std::vector<ConditionVerdict> verify_conformal(const Networks& networks, const S
         options.samples, least_samples(options.epsilon, beta), options.epsilon, beta, attempt);
   std::vector<ConditionVerdict> verdicts;
   for (const Condition condition : conditions) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     RandomStream random(seed, fmt::format("conformal/{}", to_string(condition)),
                         static_cast<std::uint64_t>(attempt));
     const Vector scores =
@@ -205,7 +201,7 @@ std::vector<ConditionVerdict> verify_conformal(const Networks& networks, const S
     verdict.epsilon = options.epsilon;
     verdict.beta = beta;
     verdict.order = *order;
-    verdict.seconds = seconds_since(start);
+    verdict.seconds = watch.seconds();
     verdicts.push_back(std::move(verdict));
   }
   return verdicts;
@@ -215,17 +211,17 @@ std::vector<ConditionVerdict> verify_sampled(const Networks& networks, const Saf
                                              double level_band, const SampledOptions& options,
                                              std::uint64_t seed) {
   check(options.samples >= 10, "verify_sampled: found samples = {}, expected >= 10", options.samples);
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch shared;
   RandomStream random(seed, "sampled/workspace");
   const Points everywhere =
       residuals(networks, problem, level_band, uniform_points(problem.workspace, options.samples, random));
-  const double shared_seconds = seconds_since(begin);
+  const double shared_seconds = shared.seconds();
   std::vector<ConditionVerdict> verdicts;
   for (const Condition condition : conditions_to_check(problem)) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     ConditionVerdict verdict;
-    verdict.condition = to_string(condition);
-    verdict.method = "sampled";
+    verdict.condition = condition;
+    verdict.method = Method::sampled;
     verdict.seed = static_cast<std::int64_t>(seed);
     count_scores(condition, everywhere.col(static_cast<Eigen::Index>(condition)), verdict);
     const RegionPtr* region = region_of(condition, problem);
@@ -238,8 +234,8 @@ std::vector<ConditionVerdict> verify_sampled(const Networks& networks, const Saf
     // A band that no sample hits is a band without a counterexample; a set that was never hit was never
     // checked.
     const bool checked = verdict.samples > 0 || !region;
-    verdict.verdict = checked && verdict.violations == 0 ? "passed" : "failed";
-    verdict.seconds = seconds_since(start) + (verdicts.empty() ? shared_seconds : 0.0);
+    verdict.verdict = checked && verdict.violations == 0 ? Verdict::passed : Verdict::failed;
+    verdict.seconds = watch.seconds() + (verdicts.empty() ? shared_seconds : 0.0);
     verdicts.push_back(std::move(verdict));
   }
   return verdicts;

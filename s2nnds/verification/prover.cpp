@@ -1,12 +1,13 @@
 #include "s2nnds/verification/prover.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/stopwatch.h"
 #include "s2nnds/verification/goal_neighbourhood.h"
+#include "s2nnds/verification/guarantee.h"
 #include "s2nnds/verification/network_function.h"
 
 namespace s2nnds {
@@ -17,12 +18,6 @@ constexpr double hopeless_radius = 1e-8;
 
 // What a condition gets once the time for the whole proof is used up.
 constexpr double least_seconds = 1e-9;
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 struct Statement {
   Condition condition;
@@ -281,7 +276,9 @@ ConditionProof decide(const Statement& statement, const BranchLimits& limits, co
   proof.open_lower = found.open_lower;
   proof.open_upper = found.open_upper;
   proof.witnesses = found.witnesses;
-  proof.verdict.verdict = found.proved ? "proved" : (found.witnesses.rows() > 0 ? "refuted" : "undecided");
+  proof.verdict.verdict = found.proved                 ? Verdict::proved
+                          : found.witnesses.rows() > 0 ? Verdict::refuted
+                                                       : Verdict::undecided;
   proof.verdict.boxes = found.boxes;
   proof.verdict.open_boxes = found.open_boxes;
   proof.verdict.open_volume = found.open_volume;
@@ -294,7 +291,7 @@ ConditionProof decide(const Statement& statement, const BranchLimits& limits, co
 
 ConditionProof holds_by_construction(const SafetyProblem& problem) {
   ConditionProof proof;
-  proof.verdict.verdict = "proved";
+  proof.verdict.verdict = Verdict::proved;
   proof.open_lower = proof.open_upper = proof.witnesses = Points(0, problem.dimension());
   return proof;
 }
@@ -318,16 +315,6 @@ void check_dimensions(const ProofFunctions& functions, const SafetyProblem& prob
   }
   check(functions.f->output_dimension() == n, "proof: f has {} outputs, expected {}",
         functions.f->output_dimension(), n);
-}
-
-Guarantee guarantee_of(const ProofResult& result, const SafetyProblem& problem) {
-  const bool contained = result[Condition::containment].is_proved();
-  for (const ConditionProof& proof : result.conditions) {
-    if (proof.condition != Condition::containment && !proof.is_proved()) return Guarantee::none;
-  }
-  if (!contained && problem.workspace_margin) return Guarantee::none;
-  return contained && result.goal_is_safe && result.initial_in_workspace ? Guarantee::invariant
-                                                                         : Guarantee::proved;
 }
 
 }  // namespace
@@ -375,9 +362,16 @@ Points ConditionProof::samples(std::size_t count, RandomStream& random) const {
   return points;
 }
 
+std::vector<ConditionVerdict> ProofResult::verdicts() const {
+  std::vector<ConditionVerdict> all;
+  for (const ConditionProof& proof : conditions) all.push_back(proof.verdict);
+  return all;
+}
+
 const ConditionProof& ProofResult::operator[](Condition condition) const {
-  const auto found = std::find_if(conditions.begin(), conditions.end(),
-                                  [&](const ConditionProof& proof) { return proof.condition == condition; });
+  const auto found = std::find_if(conditions.begin(), conditions.end(), [&](const ConditionProof& proof) {
+    return proof.verdict.condition == condition;
+  });
   check(found != conditions.end(), "proof: found no verdict on {}", to_string(condition));
   return *found;
 }
@@ -388,7 +382,7 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
   validate(options);
   check_dimensions(functions, problem);
   check(level_band >= 0.0, "proof: level_band is {}, expected >= 0", level_band);
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   ConditionProof proof;
   if (condition == Condition::lyapunov_positive && functions.V->is_positive_by_construction()) {
     proof = holds_by_construction(problem);
@@ -399,33 +393,31 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
     limits.max_refuted = options.max_refuted;
     limits.max_after_refuted = options.max_after_refuted;
     limits.kept_boxes = options.kept_boxes;
-    limits.max_seconds = options.max_seconds - seconds_since(start);
+    limits.max_seconds = options.max_seconds - watch.seconds();
     proof = decide({condition, functions, problem, level_band, cube}, limits, progress);
     proof.goal_cube = cube;
   }
-  proof.condition = condition;
-  proof.verdict.condition = to_string(condition);
-  proof.verdict.method = "proof";
-  proof.verdict.seconds = seconds_since(start);
+  proof.verdict.condition = condition;
+  proof.verdict.method = Method::proof;
+  proof.verdict.seconds = watch.seconds();
   return proof;
 }
 
 ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options, const ProofProgress& progress) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   ProofResult result;
   ProofOptions left = options;
   for (Condition condition : all_conditions) {
     ConditionProof proof = prove_condition(condition, functions, problem, level_band, left, progress);
-    left.max_seconds = std::max(options.max_seconds - seconds_since(start), least_seconds);
+    left.max_seconds = std::max(options.max_seconds - watch.seconds(), least_seconds);
     if (condition == Condition::lyapunov_decrease) result.goal_cube = proof.goal_cube;
     result.boxes += proof.verdict.boxes;
     result.conditions.push_back(std::move(proof));
   }
-  result.goal_is_safe = is_goal_safe(functions);
-  result.initial_in_workspace = is_initial_in_workspace(problem);
-  result.guarantee = guarantee_of(result, problem);
-  result.seconds = seconds_since(start);
+  result.side = {is_goal_safe(functions), is_initial_in_workspace(problem)};
+  result.guarantee = guarantee_of(result.verdicts(), result.side, problem);
+  result.seconds = watch.seconds();
   return result;
 }
 

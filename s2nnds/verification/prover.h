@@ -36,13 +36,12 @@ struct ProofFunctions {
 Points points_in_boxes(const Points& lower, const Points& upper, std::size_t count, RandomStream& random);
 
 struct ConditionProof {
-  Condition condition = Condition::lyapunov_positive;
   ConditionVerdict verdict;
   Points open_lower, open_upper;  // [kept, n] boxes left over, those with a certain violation first
   Points witnesses;  // [refuted, n] a point of each of these that violates the condition, the worst first
   double goal_cube = 0.0;  // Lyapunov conditions: proved by interval Jacobians for 0 < |x|_inf <= goal_cube
 
-  bool is_proved() const { return verdict.verdict == "proved"; }
+  bool is_proved() const { return verdict.verdict == Verdict::proved; }
   // `count` points [count, n] for training: the witnesses, then points drawn from the open boxes. Empty if
   // proved.
   Points samples(std::size_t count, RandomStream& random) const;
@@ -51,13 +50,13 @@ struct ConditionProof {
 struct ProofResult {
   Guarantee guarantee = Guarantee::none;   // none, proved or invariant
   std::vector<ConditionProof> conditions;  // in the order of all_conditions
-  bool goal_is_safe = false;               // B(0) <= 0
-  bool initial_in_workspace = false;       // X0 lies in X
+  SideConditions side;
   double goal_cube = 0.0;  // Vdot < 0 was proved by interval Jacobians for 0 < |x|_inf <= goal_cube
   std::int64_t boxes = 0;
   double seconds = 0.0;
 
   const ConditionProof& operator[](Condition condition) const;
+  std::vector<ConditionVerdict> verdicts() const;  // of the conditions, in the same order
 };
 
 using ProofProgress = std::function<void(Condition, const BranchProgress&)>;

@@ -168,35 +168,67 @@ class JsonTest(ProgramTest):
         self.assertFalse(out.splitlines()[-1].startswith("{"))
 
 
+class InfoTest(ProgramTest):
+    def test_the_first_screen_is_the_answer(self):
+        run = self.certified()
+        self.assertEqual(self.call("verify", run, "--method", "sampled")[0], 0)
+        self.assertEqual(self.call("evaluate", run)[0], 0)
+        code, out, err = self.call("info", run)
+        self.assertEqual((code, err), (0, ""))
+        self.assertLessEqual(len(out.splitlines()), 24, out)
+        self.assertLessEqual(max(map(len, out.splitlines())), 100, out)
+        self.assertEqual(out.splitlines()[0], "Sine (seed 0): guarantee SAMPLED")
+        for words in ("No violation of any condition", "mm/s", "train", "test", "safe area", "disturbance", "time", run):
+            self.assertIn(words, out)
+
+    def test_all_tells_the_details(self):
+        run = self.certified()
+        code, out, err = self.call("info", run, "--all")
+        self.assertEqual((code, err), (0, ""))
+        with h5py.File(run) as file:
+            for key in (*file["config/values"].attrs, *file["history"]):
+                self.assertIn(f"  {key} ", out)
+        self.assertTrue(out.startswith(self.call("info", run)[1].split("  --all")[0]))
+        self.call("verify", run, "--method", "proof")
+        table = self.call("info", run, "--all")[1].split("  proof ")[1].splitlines()
+        self.assertEqual(len({len(line) for line in table[1:7]}), 1, "\n".join(table))  # columns align
+        self.assertIn("goal_is_safe", table[7])
+
+    def test_version(self):
+        code, out, err = self.call("--version")
+        self.assertEqual((code, err), (0, ""))
+        self.assertRegex(out, r"\As2nnds \d+\.\d+\.\d+ \(\w+\)\nLibTorch \d.*HDF5 \d.*Eigen \d")
+
+
 class VerifyTest(ProgramTest):
     CONFORMAL = ("--method", "conformal", "--samples", 3000, "--epsilon", 0.01, "--beta", 0.01)
 
-    def certificate(self, run):
-        """Attributes of the certificate, and of its verdicts by condition for the method it was given last."""
+    def certificate(self, run, method=None):
+        """Attributes of the certificate, and of its verdicts by this method, by condition."""
         with h5py.File(run) as file:
             attributes = dict(file["certificate"].attrs)
             verdicts = [dict(group.attrs) for group in file["certificate/conditions"].values()]
-        return attributes, {v["condition"]: v for v in verdicts if v["method"] == attributes["method"]}
+        return attributes, {v["condition"]: v for v in verdicts if v["method"] == method}
 
     def test_violated_conditions_are_not_verified(self):
         run = self.trained()
         code, out, err = self.call("verify", run, "--method", "sampled")
         self.assertEqual((code, err), (3, ""))
         self.assertIn("failed", out)
-        self.assertIn("guarantee none", out)
+        self.assertIn("guarantee NONE", out)
         self.assertEqual(self.certificate(run)[0]["guarantee"], "none")
 
     def test_training_that_does_not_verify(self):
         code, out, _ = self.call("train", SINE, *settings(), "--threads", 1, "--out", self.path("run.h5"))
         self.assertEqual(code, 3)
-        self.assertIn("guarantee none", out)
+        self.assertIn("guarantee NONE", out)
 
     def test_sampled(self):
         run = self.certified()
         code, out, err = self.call("verify", run, "--method", "sampled")
         self.assertEqual((code, err), (0, ""), out)
-        self.assertIn("guarantee sampled", out)
-        certificate, verdicts = self.certificate(run)
+        self.assertIn("guarantee SAMPLED", out)
+        certificate, verdicts = self.certificate(run, "sampled")
         self.assertEqual(certificate["guarantee"], "sampled")
         self.assertEqual({v["violations"] for v in verdicts.values()}, {0})
         self.assertGreaterEqual(len(verdicts), 5)
@@ -205,7 +237,7 @@ class VerifyTest(ProgramTest):
         run = self.certified()
         code, out, err = self.call("verify", run, "--method", "proof")
         self.assertEqual((code, err), (0, ""), out)
-        certificate, verdicts = self.certificate(run)
+        certificate, verdicts = self.certificate(run, "proof")
         self.assertEqual(certificate["guarantee"], "invariant")
         self.assertEqual({v["verdict"] for v in verdicts.values()}, {"proved"})
         self.assertGreater(certificate["disturbance_margin"], 0.0)
@@ -217,7 +249,7 @@ class VerifyTest(ProgramTest):
             file["networks/B/bias_1"][0] = 0.5  # B > 0 everywhere, the initial set included
         code, out, err = self.call("verify", run, "--method", "proof")
         self.assertEqual((code, err), (3, ""), out)
-        certificate, verdicts = self.certificate(run)
+        certificate, verdicts = self.certificate(run, "proof")
         self.assertEqual(certificate["guarantee"], "none")
         self.assertEqual(verdicts["initial"]["verdict"], "refuted")
 
@@ -225,10 +257,10 @@ class VerifyTest(ProgramTest):
         run = self.certified()
         code, out, _ = self.call("verify", run, *self.CONFORMAL)
         self.assertEqual(code, 0, out)
-        first, verdicts_1 = self.certificate(run)
+        first, verdicts_1 = self.certificate(run, "conformal")
         code, out, _ = self.call("verify", run, *self.CONFORMAL)
         self.assertEqual(code, 0, out)
-        second, verdicts_2 = self.certificate(run)
+        second, verdicts_2 = self.certificate(run, "conformal")
         self.assertEqual((first["guarantee"], first["attempts"]), ("conformal", 1))
         self.assertEqual((second["guarantee"], second["attempts"]), ("conformal", 2))
         sampled = [name for name, v in verdicts_1.items() if v["beta"] > 0]

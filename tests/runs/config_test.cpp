@@ -27,7 +27,7 @@ TEST(Config, ImitationAsksForNothingButTheDemonstrations) {
   EXPECT_EQ(std::accumulate(loss.weight.begin(), loss.weight.end(), 0.0) - loss.weight[LossTerm::imitation],
             0.0);
   EXPECT_EQ(config.training.rounds, 5);
-  EXPECT_NE(config.verification.method, "proof");
+  EXPECT_NE(config.verification.method, Method::proof);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <regex>
 
 #include "s2nnds/runs/hdf5_file.h"
+#include "s2nnds/runs/version.h"
 #include "tests/runs/temporary_directory.h"
 
 namespace s2nnds {
@@ -62,19 +63,19 @@ RunRecord unusual_record() {
   r.networks.B.layers = {{.weight = c.points(5, 2), .bias = c.vector(5), .activation = Activation::elu},
                          {.weight = c.points(5, 5), .bias = c.vector(5), .activation = Activation::silu},
                          {.weight = c.points(1, 5), .bias = c.vector(1), .activation = Activation::softplus}};
-  r.certificate.guarantee = "conformal";
-  r.certificate.method = "conformal";
+  r.certificate.guarantee = Guarantee::conformal;
   r.certificate.weight_hash = weight_hash(r.networks);
   r.certificate.attempts = 3;
   r.certificate.level_band = c.next();
   r.certificate.disturbance_margin = c.next();
   r.certificate.convergence_radius = c.next();
+  r.certificate.side.goal_is_safe = true;
   r.certificate.statement = "What holds.\nAnd where.";
   r.certificate.conditions.resize(2);
   ConditionVerdict& verdict = r.certificate.conditions[1];
-  verdict = {.condition = "unsafe",
-             .method = "proof",
-             .verdict = "refuted",
+  verdict = {.condition = Condition::unsafe,
+             .method = Method::proof,
+             .verdict = Verdict::refuted,
              .samples = 11,
              .violations = 12,
              .seed = 13,

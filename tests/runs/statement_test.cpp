@@ -1,12 +1,12 @@
 // What a certificate says in words must follow from its verdicts, and must not say more.
-#include <gtest/gtest.h>
-
 #include "s2nnds/runs/statement.h"
+
+#include <gtest/gtest.h>
 
 namespace s2nnds {
 namespace {
 
-RunRecord record_with(const std::string& guarantee) {
+RunRecord record_with(Guarantee guarantee) {
   RunRecord record;
   record.name = "Sine";
   record.seed = 4;
@@ -25,33 +25,58 @@ bool says(const RunRecord& record, const std::string& words) {
   return guarantee_statement(record).find(words) != std::string::npos;
 }
 
-TEST(Statement, OfNothingPromisesNothing) { EXPECT_TRUE(says(record_with("none"), "Nothing is guaranteed")); }
+ConditionVerdict verdict_of(Condition condition, Method method, Verdict verdict) {
+  ConditionVerdict found;
+  found.condition = condition;
+  found.method = method;
+  found.verdict = verdict;
+  return found;
+}
 
-TEST(Statement, NamesWhatSamplesPassedAndAProofRefuted) {
-  RunRecord record = record_with("sampled");
-  record.certificate.conditions = {
-      {.condition = "unsafe", .method = "sampled", .verdict = "passed", .samples = 1234, .witness = {}},
-      {.condition = "unsafe", .method = "proof", .verdict = "refuted", .witness = {0.25, -0.5}}};
+TEST(Statement, OfNothingPromisesNothingAndSaysWhy) {
+  RunRecord record = record_with(Guarantee::none);
+  EXPECT_TRUE(says(record, "Nothing is guaranteed: nothing was checked"));
+  auto& conditions = record.certificate.conditions;
+  conditions = {verdict_of(Condition::initial, Method::proof, Verdict::undecided)};
+  EXPECT_TRUE(says(record, "Nothing is guaranteed. The proof left open: initial."));
+  conditions.push_back(verdict_of(Condition::unsafe, Method::sampled, Verdict::failed));
+  EXPECT_TRUE(says(record, "Nothing is guaranteed. Samples violate: unsafe."));
+  conditions.push_back(verdict_of(Condition::barrier_decrease, Method::proof, Verdict::refuted));
+  EXPECT_TRUE(says(record, "Nothing is guaranteed. The proof refuted: barrier_decrease."));
+}
+
+TEST(Statement, OfSamplesNamesNumberAndSeed) {
+  RunRecord record = record_with(Guarantee::sampled);
+  record.certificate.conditions = {verdict_of(Condition::unsafe, Method::sampled, Verdict::passed)};
+  record.certificate.conditions[0].samples = 1234;
   EXPECT_TRUE(says(record, "1234 uniform samples"));
   EXPECT_TRUE(says(record, "seed 4"));
-  EXPECT_TRUE(says(record, "REFUTED unsafe: it is violated at (0.25, -0.5)")) << guarantee_statement(record);
-  record.certificate.conditions.pop_back();
   EXPECT_FALSE(says(record, "REFUTED"));
 }
 
+TEST(Statement, ShowsTheWitnessOfARefutationInTheUnitOfTheData) {
+  RunRecord record = record_with(Guarantee::none);
+  record.certificate.conditions = {verdict_of(Condition::unsafe, Method::proof, Verdict::refuted)};
+  record.certificate.conditions[0].witness = {0.25, -0.5};
+  EXPECT_TRUE(says(record, "REFUTED unsafe: it is violated at (0.25, -0.5), which is (10, -20) mm"))
+      << guarantee_statement(record);
+  record.data.unit = "";
+  EXPECT_TRUE(says(record, "it is violated at (0.25, -0.5).")) << guarantee_statement(record);
+}
+
 TEST(Statement, OfConformalNamesSamplesEpsilonAndBeta) {
-  RunRecord record = record_with("conformal");
-  record.certificate.conditions = {{.condition = "unsafe",
-                                    .method = "conformal",
-                                    .verdict = "passed",
+  RunRecord record = record_with(Guarantee::conformal);
+  record.certificate.conditions = {{.condition = Condition::unsafe,
+                                    .method = Method::conformal,
+                                    .verdict = Verdict::passed,
                                     .samples = 250000,
                                     .epsilon = 1e-4,
                                     .beta = 5e-5,
                                     .attempt = 2,
                                     .witness = {}},
-                                   {.condition = "initial",
-                                    .method = "conformal",
-                                    .verdict = "passed",
+                                   {.condition = Condition::initial,
+                                    .method = Method::conformal,
+                                    .verdict = Verdict::passed,
                                     .samples = 250000,
                                     .epsilon = 1e-4,
                                     .beta = 5e-5,
@@ -63,20 +88,19 @@ TEST(Statement, OfConformalNamesSamplesEpsilonAndBeta) {
 }
 
 TEST(Statement, OfAnInvariantSetSaysWhetherTheMarginCoversFloat32) {
-  RunRecord record = record_with("invariant");
+  RunRecord record = record_with(Guarantee::invariant);
   EXPECT_TRUE(says(record, "stays in it for ever"));
   EXPECT_TRUE(says(record, "No margin against disturbances was certified"));
   record.certificate.disturbance_margin = 0.02;
   record.certificate.float32_error = 0.001;
-  EXPECT_TRUE(says(record, "0.02 (normalised; 1 mm/s)") || says(record, "normalised; 1 mm/s"))
-      << guarantee_statement(record);
+  EXPECT_TRUE(says(record, "|w| <= 1 mm/s (0.02 normalised)")) << guarantee_statement(record);
   EXPECT_TRUE(says(record, "this margin covers"));
   record.certificate.float32_error = 0.03;
   EXPECT_TRUE(says(record, "does NOT cover"));
 }
 
 TEST(Statement, OfProvedConditionsAloneDoesNotSpeakOfWholeMotions) {
-  const RunRecord record = record_with("proved");
+  const RunRecord record = record_with(Guarantee::proved);
   EXPECT_FALSE(says(record, "stays in it for ever"));
   EXPECT_TRUE(says(record, "only while it stays inside"));
 }

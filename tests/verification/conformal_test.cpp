@@ -125,7 +125,7 @@ SafetyProblem good_problem() {
 
 std::map<std::string, ConditionVerdict> by_condition(const std::vector<ConditionVerdict>& verdicts) {
   std::map<std::string, ConditionVerdict> named;
-  for (const ConditionVerdict& verdict : verdicts) named[verdict.condition] = verdict;
+  for (const ConditionVerdict& verdict : verdicts) named[std::string(to_string(verdict.condition))] = verdict;
   return named;
 }
 
@@ -137,8 +137,8 @@ TEST(VerifyConformal, PassesAGoodSystem) {
   const auto verdicts = verify_conformal(good_networks(), good_problem(), kBand, kQuick, 1, 1);
   EXPECT_EQ(verdicts.size(), 5U);  // no margin, no containment
   for (const ConditionVerdict& verdict : verdicts) {
-    EXPECT_EQ(verdict.verdict, "passed") << verdict.condition;
-    EXPECT_EQ(verdict.method, "conformal");
+    EXPECT_EQ(verdict.verdict, Verdict::passed) << to_string(verdict.condition);
+    EXPECT_EQ(verdict.method, Method::conformal);
     EXPECT_EQ(verdict.samples, 2000);
     EXPECT_EQ(verdict.violations, 0);
     EXPECT_DOUBLE_EQ(verdict.beta, 0.01 / 2 / 5);
@@ -163,7 +163,7 @@ TEST(VerifyConformal, SmallViolationsFailOnlyTheirCondition) {
   problem.unsafe = box_region({Vector{{0.48, -0.2}}, Vector{{0.88, 0.2}}});  // a twentieth of it has B <= 0
   const auto verdicts = by_condition(verify_conformal(good_networks(), problem, kBand, kQuick, 1, 1));
   for (const auto& [name, verdict] : verdicts)
-    EXPECT_EQ(verdict.verdict, name == "unsafe" ? "failed" : "passed");
+    EXPECT_EQ(verdict.verdict, name == "unsafe" ? Verdict::failed : Verdict::passed);
   const ConditionVerdict& unsafe = verdicts.at("unsafe");
   // Within six standard deviations of N / 20: a false alarm in 5e8.
   EXPECT_NEAR(static_cast<double>(unsafe.violations), 100.0, 6 * std::sqrt(2000 * 0.05 * 0.95));
@@ -177,14 +177,14 @@ TEST(VerifyConformal, ABoundaryThatStrictConditionsForbidFails) {
   Networks networks = good_networks();
   networks.f = linear(Points::Zero(2, 2));  // everything rests: Vdot = 0, Bdot = 0
   const auto verdicts = by_condition(verify_conformal(networks, good_problem(), kBand, kQuick, 1, 1));
-  EXPECT_EQ(verdicts.at("lyapunov_decrease").verdict, "failed");
+  EXPECT_EQ(verdicts.at("lyapunov_decrease").verdict, Verdict::failed);
   EXPECT_EQ(verdicts.at("lyapunov_decrease").quantile, 0.0);
-  EXPECT_EQ(verdicts.at("barrier_decrease").verdict, "failed");
+  EXPECT_EQ(verdicts.at("barrier_decrease").verdict, Verdict::failed);
   networks = good_networks();
   networks.B = linear(Points{{0.0, 0.0}});  // B = 0: allowed on X0, forbidden on Xu
   const auto flat = by_condition(verify_conformal(networks, good_problem(), kBand, kQuick, 1, 1));
-  EXPECT_EQ(flat.at("initial").verdict, "passed");
-  EXPECT_EQ(flat.at("unsafe").verdict, "failed");
+  EXPECT_EQ(flat.at("initial").verdict, Verdict::passed);
+  EXPECT_EQ(flat.at("unsafe").verdict, Verdict::failed);
 }
 
 TEST(VerifyConformal, NotANumberFails) {
@@ -194,11 +194,11 @@ TEST(VerifyConformal, NotANumberFails) {
   for (const auto& verdicts : {verify_conformal(networks, good_problem(), kBand, kQuick, 1, 1),
                                verify_sampled(networks, good_problem(), kBand, kFewSamples, 1)}) {
     const auto named = by_condition(verdicts);
-    EXPECT_EQ(named.at("lyapunov_positive").verdict, "failed");
-    EXPECT_EQ(named.at("lyapunov_decrease").verdict, "failed");
+    EXPECT_EQ(named.at("lyapunov_positive").verdict, Verdict::failed);
+    EXPECT_EQ(named.at("lyapunov_decrease").verdict, Verdict::failed);
     EXPECT_EQ(named.at("lyapunov_decrease").violations, named.at("lyapunov_decrease").samples);
     EXPECT_EQ(named.at("lyapunov_decrease").worst, std::numeric_limits<double>::infinity());
-    EXPECT_EQ(named.at("initial").verdict, "passed");
+    EXPECT_EQ(named.at("initial").verdict, Verdict::passed);
   }
 }
 
@@ -206,7 +206,7 @@ TEST(VerifyConformal, ABandThatCannotBeSampledFails) {
   Networks networks = good_networks();
   networks.B = linear(Points{{0.0, 0.0}}, Vector::Constant(1, -1.0));
   const auto verdicts = by_condition(verify_conformal(networks, good_problem(), kBand, kQuick, 1, 1));
-  EXPECT_EQ(verdicts.at("barrier_decrease").verdict, "failed");
+  EXPECT_EQ(verdicts.at("barrier_decrease").verdict, Verdict::failed);
   EXPECT_EQ(verdicts.at("barrier_decrease").samples, 0);
   EXPECT_EQ(verdicts.at("barrier_decrease").tightest_epsilon, 1.0);
 }
@@ -217,7 +217,7 @@ TEST(VerifyConformal, RegionsThatDoNotExistGetNoVerdict) {
   problem.workspace_margin = complement(box_region(Box::cube(2, 0.97)));
   const auto verdicts = by_condition(verify_conformal(good_networks(), problem, kBand, kQuick, 1, 1));
   EXPECT_EQ(verdicts.count("unsafe"), 0U);
-  EXPECT_EQ(verdicts.at("containment").verdict, "failed");  // B < 0 on most of the workspace margin
+  EXPECT_EQ(verdicts.at("containment").verdict, Verdict::failed);  // B < 0 on most of the workspace margin
 }
 
 TEST(VerifyConformal, EachAttemptDrawsAnewAndSpendsLess) {
@@ -280,8 +280,8 @@ TEST(VerifySampled, PassesAGoodSystemAndCountsWhereConditionsApply) {
   const auto verdicts = by_condition(verify_sampled(good_networks(), good_problem(), kBand, kFewSamples, 1));
   EXPECT_EQ(verdicts.size(), 5U);
   for (const auto& [name, verdict] : verdicts) {
-    EXPECT_EQ(verdict.verdict, "passed") << name;
-    EXPECT_EQ(verdict.method, "sampled");
+    EXPECT_EQ(verdict.verdict, Verdict::passed) << name;
+    EXPECT_EQ(verdict.method, Method::sampled);
     EXPECT_EQ(verdict.violations, 0);
     EXPECT_EQ(verdict.seed, 1);
   }
@@ -295,9 +295,9 @@ TEST(VerifySampled, FindsASmallViolation) {
   SafetyProblem problem = good_problem();
   problem.initial = box_region({Vector{{0.401, 0.4}}, Vector{{0.501, 0.5}}});  // a hundredth of it has B > 0
   const auto verdicts = by_condition(verify_sampled(good_networks(), problem, kBand, kFewSamples, 1));
-  EXPECT_EQ(verdicts.at("initial").verdict, "failed");
+  EXPECT_EQ(verdicts.at("initial").verdict, Verdict::failed);
   EXPECT_GT(verdicts.at("initial").violations, 0);
-  EXPECT_EQ(verdicts.at("unsafe").verdict, "passed");
+  EXPECT_EQ(verdicts.at("unsafe").verdict, Verdict::passed);
 }
 
 }  // namespace

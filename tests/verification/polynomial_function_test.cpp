@@ -158,7 +158,7 @@ TEST(PolynomialFunction, IsProvedLikeANetwork) {
   EXPECT_GT(result.goal_cube, 0.0);
   // 0.65 * 1.25^2 > 1: V grows near the workspace's left and right edges, and only there.
   const ProofResult wrong = prove(polynomial_system(0.65), disc_problem(), 0.01, ProofOptions::fail_fast());
-  EXPECT_EQ(wrong[Condition::lyapunov_decrease].verdict.verdict, "refuted");
+  EXPECT_EQ(wrong[Condition::lyapunov_decrease].verdict.verdict, Verdict::refuted);
   EXPECT_GT(std::abs(wrong[Condition::lyapunov_decrease].verdict.witness[0]), 1.24);
   EXPECT_TRUE(wrong[Condition::barrier_decrease].is_proved());
 }
@@ -170,7 +170,7 @@ TEST(PolynomialFunction, TakesCoefficientsAtTheirWord) {
   const Polynomial tilt(Vector::Constant(1, 1e-17), (Eigen::MatrixXi(1, 2) << 1, 0).finished());
   functions.V = std::make_shared<PolynomialFunction>(std::vector{quadratic(1.0, 0.0, 0.5, 0.0) + tilt});
   const ProofResult result = prove(functions, disc_problem(), 0.01, ProofOptions::fail_fast());
-  EXPECT_NE(result[Condition::lyapunov_positive].verdict.verdict, "proved");
+  EXPECT_NE(result[Condition::lyapunov_positive].verdict.verdict, Verdict::proved);
   EXPECT_LT(result[Condition::lyapunov_positive].open_upper.cwiseAbs().maxCoeff(), 1e-6);
 }
 
@@ -197,11 +197,11 @@ TEST(PolynomialFunction, PublishedResultsGoThrough) {
   problem.initial = ball((Vector(2) << -0.35, 0.05).finished(), 0.15);
   problem.unsafe = empty_region(2);
   const ProofResult proof = prove(functions, problem, 0.0, ProofOptions::fail_fast());
-  EXPECT_TRUE(proof.goal_is_safe);
+  EXPECT_TRUE(proof.side.goal_is_safe);
   EXPECT_LT(proof.seconds, 30.0);
   for (const ConditionProof& each : proof.conditions) {
-    if (each.verdict.verdict != "refuted") continue;
-    EXPECT_FALSE(each.verdict.witness.empty()) << each.verdict.condition;
+    if (each.verdict.verdict != Verdict::refuted) continue;
+    EXPECT_FALSE(each.verdict.witness.empty()) << to_string(each.verdict.condition);
   }
 }
 

@@ -66,12 +66,13 @@ ProofOptions quick() {
 TEST(Prover, ProvesAStableLinearSystemInvariant) {
   const ProofResult result = prove(simple_networks(), simple_problem(), 0.01);
   for (const ConditionProof& proof : result.conditions) {
-    EXPECT_TRUE(proof.is_proved()) << proof.verdict.condition << ": " << proof.verdict.verdict;
+    EXPECT_TRUE(proof.is_proved()) << to_string(proof.verdict.condition) << ": "
+                                   << to_string(proof.verdict.verdict);
     EXPECT_EQ(proof.open_lower.rows(), 0);
   }
   EXPECT_EQ(result.guarantee, Guarantee::invariant);
-  EXPECT_TRUE(result.goal_is_safe);
-  EXPECT_TRUE(result.initial_in_workspace);
+  EXPECT_TRUE(result.side.goal_is_safe);
+  EXPECT_TRUE(result.side.initial_in_workspace);
   EXPECT_GT(result.goal_cube, 0.0);
   EXPECT_LT(result.boxes, 20000);
 }
@@ -95,7 +96,7 @@ TEST(Prover, RefutesAnUnstableSystemWithAWitness) {
   EXPECT_EQ(result.guarantee, Guarantee::none);
   for (Condition condition : {Condition::lyapunov_decrease, Condition::barrier_decrease}) {
     const ConditionProof& proof = result[condition];
-    EXPECT_EQ(proof.verdict.verdict, "refuted");
+    EXPECT_EQ(proof.verdict.verdict, Verdict::refuted);
     ASSERT_EQ(proof.verdict.witness.size(), 2u);
     const Points at = residuals(networks, problem, 0.01, proof.witnesses);
     for (Eigen::Index i = 0; i < at.rows(); ++i) {
@@ -120,7 +121,7 @@ TEST(Prover, SeesABarrierCrossedInASetOfMeasure1e8) {
   EXPECT_EQ(prove(networks, simple_problem(), 1e-3, quick()).guarantee, Guarantee::invariant);
   networks.f = with_bump(networks.f, 0, low, 0.0, 0.5e-4, 3.0);
   const ProofResult result = prove(networks, simple_problem(), 1e-3, quick());
-  EXPECT_EQ(result[Condition::barrier_decrease].verdict.verdict, "refuted");
+  EXPECT_EQ(result[Condition::barrier_decrease].verdict.verdict, Verdict::refuted);
   EXPECT_LT(result[Condition::barrier_decrease].verdict.open_volume, 1e-6);
 }
 
@@ -128,7 +129,7 @@ TEST(Prover, SeesAHoleOfMeasure1e8InTheUnsafeSet) {
   Networks networks = simple_networks();
   networks.B = with_bump(networks.B, 0, 1.07, 1.02, 0.5e-4, -3.0);
   const ProofResult result = prove(networks, simple_problem(), 0.01, quick());
-  EXPECT_EQ(result[Condition::unsafe].verdict.verdict, "refuted");
+  EXPECT_EQ(result[Condition::unsafe].verdict.verdict, Verdict::refuted);
   EXPECT_TRUE(result[Condition::initial].is_proved());
 }
 
@@ -136,7 +137,7 @@ TEST(Prover, SeesAViolationOnlyAtTheWorkspacesEdge) {
   Networks networks = simple_networks();
   networks.f = with_bump(soft_stable_field(), 0, 1.25, 0.3, 1e-5, 3.0);
   ProofResult result = prove(networks, simple_problem(), 0.01, quick());
-  EXPECT_EQ(result[Condition::lyapunov_decrease].verdict.verdict, "refuted");
+  EXPECT_EQ(result[Condition::lyapunov_decrease].verdict.verdict, Verdict::refuted);
   // The same outside of the workspace does no harm.
   networks.f = with_bump(soft_stable_field(), 0, 1.2502, 0.3, 1e-5, 3.0);
   result = prove(networks, simple_problem(), 0.01, quick());
@@ -149,7 +150,7 @@ TEST(Prover, SeesAViolationOnlyAtTheWorkspacesEdge) {
   EXPECT_EQ(prove(networks, open_problem, 0.01, quick()).guarantee, Guarantee::invariant);
   networks.B = with_bump(networks.B, 0, -0.4, -1.25, 1e-5, -3.0);
   result = prove(networks, open_problem, 0.01, quick());
-  EXPECT_EQ(result[Condition::containment].verdict.verdict, "refuted");
+  EXPECT_EQ(result[Condition::containment].verdict.verdict, Verdict::refuted);
   EXPECT_NE(result.guarantee, Guarantee::invariant);
 }
 
@@ -167,7 +168,7 @@ TEST(Prover, SeesAViolationOnly1e6FromTheGoal) {
                        layer(outer, Vector(), Activation::identity)};
   const ProofResult result = prove(networks, simple_problem(), 0.01, quick());
   const ConditionProof& decrease = result[Condition::lyapunov_decrease];
-  EXPECT_EQ(decrease.verdict.verdict, "refuted");
+  EXPECT_EQ(decrease.verdict.verdict, Verdict::refuted);
   EXPECT_EQ(result.goal_cube, 0.0);
   EXPECT_LT(decrease.open_upper.cwiseAbs().maxCoeff(), 1e-5);
 }
@@ -180,20 +181,20 @@ TEST(Prover, FindsWhereThePapersLyapunovFunctionIsNegative) {
   for (Layer& each : networks.V.layers) each.bias = Vector();
   const ProofResult result = prove(networks, simple_problem(), 0.01, ProofOptions::fail_fast());
   const ConditionProof& positive = result[Condition::lyapunov_positive];
-  ASSERT_EQ(positive.verdict.verdict, "refuted");
+  ASSERT_EQ(positive.verdict.verdict, Verdict::refuted);
   EXPECT_LT(networks.V.value(positive.witnesses.topRows(1))(0, 0), 0.0);
 }
 
 TEST(Prover, SaysWhenTheGoalOrTheInitialSetIsNotSafe) {
   Networks networks = simple_networks();
   networks.B = with_bump(networks.B, 0, 0.0, 0.0, 1e-4, 3.0);
-  EXPECT_FALSE(prove(networks, simple_problem(), 0.01, quick()).goal_is_safe);
+  EXPECT_FALSE(prove(networks, simple_problem(), 0.01, quick()).side.goal_is_safe);
 
   SafetyProblem outside = simple_problem();
   outside.initial = ball((Vector(2) << 1.2, 0.0).finished(), 0.1);
   const ProofResult result = prove(simple_networks(), outside, 0.01, quick());
-  EXPECT_FALSE(result.initial_in_workspace);
-  EXPECT_EQ(result[Condition::initial].verdict.verdict, "refuted");
+  EXPECT_FALSE(result.side.initial_in_workspace);
+  EXPECT_EQ(result[Condition::initial].verdict.verdict, Verdict::refuted);
 }
 
 TEST(Prover, NotANumberIsNeverProved) {
@@ -204,7 +205,7 @@ TEST(Prover, NotANumberIsNeverProved) {
   ProofOptions options = quick();
   options.max_boxes = 2000;
   const ProofResult result = prove(networks, simple_problem(), 0.01, options);
-  EXPECT_EQ(result[Condition::barrier_decrease].verdict.verdict, "undecided");
+  EXPECT_EQ(result[Condition::barrier_decrease].verdict.verdict, Verdict::undecided);
   EXPECT_EQ(result.guarantee, Guarantee::none);
 }
 
@@ -252,7 +253,7 @@ TEST(Prover, StopsAtItsLimits) {
   options.max_boxes = 1000;
   const ProofResult result = prove(networks, simple_problem(), 0.01, options);
   EXPECT_LE(result[Condition::lyapunov_decrease].verdict.boxes, 1000);
-  EXPECT_EQ(result[Condition::lyapunov_decrease].verdict.verdict, "undecided");
+  EXPECT_EQ(result[Condition::lyapunov_decrease].verdict.verdict, Verdict::undecided);
   options.max_boxes = 100000000;
   options.max_seconds = 0.3;
   const ProofResult timed = prove(networks, simple_problem(), 0.01, options);

@@ -1,0 +1,197 @@
+#include "run_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <sstream>
+
+#include "s2nnds/runs/statement.h"
+#include "s2nnds/runs/threads.h"
+
+namespace s2nnds::program {
+namespace {
+
+constexpr std::size_t kWidth = 100;      // columns of text
+constexpr Eigen::Index kLastRounds = 6;  // of the history, shown by details()
+
+std::string number(double value) { return std::isnan(value) ? "-" : fmt::format("{:.4g}", value); }
+
+// Breaks at words; every line starts with two blanks.
+std::string paragraph(const std::string& text) {
+  std::string all, line;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!line.empty() && line.size() + word.size() + 3 > kWidth) {
+      all += "  " + line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return all + "  " + line + "\n";
+}
+
+std::string row(const char* name, const std::string& text) {
+  const std::size_t room = kWidth - 18;
+  return fmt::format("  {:<14}  {}\n", name, text.size() > room ? text.substr(0, room - 3) + "..." : text);
+}
+
+// Rows of cells: the first column to the left, the others to the right.
+using Rows = std::vector<std::vector<std::string>>;
+std::string aligned(const Rows& rows) {
+  std::vector<std::size_t> widths;
+  for (const auto& cells : rows) {
+    widths.resize(std::max(widths.size(), cells.size()));
+    for (std::size_t k = 0; k < cells.size(); ++k) widths[k] = std::max(widths[k], cells[k].size());
+  }
+  std::string text;
+  for (const auto& cells : rows) {
+    text += fmt::format("  {:<{}}", cells[0], widths[0]);
+    for (std::size_t k = 1; k < cells.size(); ++k) text += fmt::format("  {:>{}}", cells[k], widths[k]);
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string units(const RunData& data) {
+  if (data.unit.empty())
+    return fmt::format("1 normalised = {} (length), {} (velocity) of the data",
+                       number(data.normalization.position_scale), number(data.normalization.velocity_scale));
+  return fmt::format("1 normalised = {} {} (length), {} {}/s (velocity)",
+                     number(data.normalization.position_scale), data.unit,
+                     number(data.normalization.velocity_scale), data.unit);
+}
+
+Rows error_rows(const RunRecord& record) {
+  const EvaluationSummary& e = record.evaluation;
+  const auto in_unit = [](double value, double scale) { return number(value * scale); };
+  const double velocity = record.data.normalization.velocity_scale;
+  const double position = record.data.normalization.position_scale;
+  const std::string unit = record.data.unit.empty() ? "unit of the data" : record.data.unit;
+  return {
+      {"errors", "train", "test"},
+      {"velocity, MSE (normalised)", number(e.mse_train), number(e.mse_test)},
+      {fmt::format("velocity, RMS [{}/s]", unit), in_unit(std::sqrt(e.mse_train), velocity),
+       in_unit(std::sqrt(e.mse_test), velocity)},
+      {"motion, DTW (normalised)", number(e.dtw_train), number(e.dtw_test)},
+      {fmt::format("motion, DTW [{}]", unit), in_unit(e.dtw_train, position), in_unit(e.dtw_test, position)}};
+}
+
+std::string safe_area(const RunRecord& record) {
+  const EvaluationSummary& e = record.evaluation;
+  if (std::isnan(e.safe_area)) return "not measured";
+  const auto n = record.data.dimension;
+  const std::string absolute =
+      record.data.unit.empty()
+          ? ""
+          : fmt::format(" ({} {}^{})",
+                        number(e.safe_area * std::pow(record.data.normalization.position_scale, n)),
+                        record.data.unit, n);
+  return fmt::format("{} normalised{}, {:.1f} % of what is truly safe", number(e.safe_area), absolute,
+                     100.0 * e.safe_area_ratio);
+}
+
+std::string disturbance(const RunRecord& record) {
+  const Certificate& c = record.certificate;
+  if (!(c.disturbance_margin > 0.0)) return "not certified";
+  const double scale = record.data.normalization.velocity_scale;
+  return fmt::format("|w| <= {} {}/s ({} normalised); float32 {}", number(scale * c.disturbance_margin),
+                     record.data.unit, number(c.disturbance_margin),
+                     c.float32_error < c.disturbance_margin ? "is covered" : "is NOT covered");
+}
+
+std::string time(const RunRecord& record) {
+  const RunTiming& t = record.timing;
+  std::string text;
+  for (const auto& [name, seconds] : {std::pair{"training", t.training}, std::pair{"proof", t.proof},
+                                      std::pair{"evaluation", t.evaluation}})
+    if (!std::isnan(seconds)) text += fmt::format("{} {:.1f} s, ", name, seconds);
+  if (!record.checkpoint) return text + "no rounds";
+  return text + fmt::format("{} rounds{}", record.checkpoint->round,
+                            record.checkpoint->finished ? "" : ", not finished: train --resume goes on");
+}
+
+Rows sample_rows(Method method, const Certificate& certificate) {
+  Rows rows = {{std::string(to_string(method)), "verdict", "samples", "violations", "worst"}};
+  if (method == Method::conformal)
+    rows[0].insert(rows[0].end(), {"p", "l", "epsilon", "beta", "tightest epsilon"});
+  for (const ConditionVerdict& v : certificate.conditions) {
+    if (v.method != method) continue;
+    rows.push_back({std::string(to_string(v.condition)), std::string(to_string(v.verdict)),
+                    std::to_string(v.samples), std::to_string(v.violations), number(v.worst)});
+    if (method == Method::conformal)
+      rows.back().insert(rows.back().end(), {number(v.quantile), std::to_string(v.order), number(v.epsilon),
+                                             number(v.beta), number(v.tightest_epsilon)});
+  }
+  return rows;
+}
+
+Rows proof_rows(const Certificate& certificate) {
+  Rows rows = {{"proof", "verdict", "boxes", "open", "open volume", "violated at"}};
+  for (const ConditionVerdict& v : certificate.conditions) {
+    if (v.method != Method::proof) continue;
+    rows.push_back({std::string(to_string(v.condition)), std::string(to_string(v.verdict)),
+                    std::to_string(v.boxes), std::to_string(v.open_boxes), number(v.open_volume),
+                    v.witness.empty() ? "" : fmt::format("({:.4g})", fmt::join(v.witness, ", "))});
+  }
+  if (rows.size() == 1) return rows;
+  for (const auto& [name, value] : flatten(certificate.side))
+    rows.push_back({name, value == "true" ? "proved" : "undecided"});
+  return rows;
+}
+
+// One column a round, the last ones.
+Rows history_rows(const RunRecord& record) {
+  Rows rows;
+  for (const auto& [name, column] : record.history) {
+    rows.push_back({name});
+    const Eigen::Index shown = std::min(kLastRounds, column.size());
+    for (const double value : column.tail(shown)) rows.back().push_back(number(value));
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::string first_screen(const RunRecord& record, const std::string& path) {
+  std::string guarantee(to_string(record.certificate.guarantee));
+  for (char& letter : guarantee) letter = static_cast<char>(std::toupper(letter));
+  const RunData& data = record.data;
+  return fmt::format("{} (seed {}): guarantee {}\n", record.name, record.seed, guarantee) +
+         paragraph(guarantee_sentence(record)) + "\n" +
+         row("data", fmt::format("{} demonstrations in {} dimensions: {} train, {} test, {} validation",
+                                 data.demonstrations.size(), data.dimension, data.split.train.size(),
+                                 data.split.test.size(), data.split.validation.size())) +
+         row("units", units(data)) + row("unsafe set", record.problem.unsafe) +
+         row("initial set", record.problem.initial) + "\n" + aligned(error_rows(record)) + "\n" +
+         row("safe area", safe_area(record)) + row("disturbance", disturbance(record)) +
+         row("time", time(record)) + row("run file", path);
+}
+
+std::string condition_tables(const Certificate& certificate) {
+  std::string text;
+  for (const Rows& rows : {sample_rows(Method::sampled, certificate),
+                           sample_rows(Method::conformal, certificate), proof_rows(certificate)})
+    if (rows.size() > 1) text += aligned(rows) + "\n";
+  return text;
+}
+
+std::string details(const RunRecord& record) {
+  std::string values;
+  for (const auto& [key, value] : record.config.values) values += fmt::format("  {:<44}  {}\n", key, value);
+  const ThreadCounts threads = thread_counts();
+  return "statement\n" + paragraph(record.certificate.statement) + "\nconditions\n" +
+         condition_tables(record.certificate) + "configuration\n" + values + "\nlast rounds\n" +
+         aligned(history_rows(record)) + "\n" +
+         row("weights", fmt::format("SHA-256 {}", weight_hash(record.networks))) +
+         row("written", fmt::format("{} by version {}, schema {}", record.created, record.program_version,
+                                    run_schema_version)) +
+         row("libraries", record.library_versions) +
+         row("threads here", fmt::format("loops {}, ATen {}, BLAS {}", threads.loops, threads.aten,
+                                         threads.blas ? std::to_string(*threads.blas) : "without its own"));
+}
+
+}  // namespace s2nnds::program

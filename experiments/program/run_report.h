@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "s2nnds/runs/run_record.h"
+
+namespace s2nnds::program {
+
+// What a run reached, on one screen: guarantee, units, errors, safe area, disturbance margin, time. `path` is
+// where it is stored. At most 24 lines.
+std::string first_screen(const RunRecord& record, const std::string& path);
+
+// The verdicts on all conditions, one table a method.
+std::string condition_tables(const Certificate& certificate);
+
+// All else that is worth reading: statement, conditions, configuration, the last rounds, hashes, versions.
+std::string details(const RunRecord& record);
+
+}  // namespace s2nnds::program

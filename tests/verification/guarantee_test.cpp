@@ -1,0 +1,98 @@
+#include "s2nnds/verification/guarantee.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/verification/hand_made_system.h"
+
+namespace s2nnds {
+namespace {
+
+constexpr SideConditions kHold{.goal_is_safe = true, .initial_in_workspace = true};
+
+SafetyProblem problem_with_margin(bool margin) {
+  SafetyProblem problem = simple_problem();
+  problem.workspace_margin = margin ? problem.unsafe : nullptr;  // any region
+  return problem;
+}
+
+ConditionVerdict verdict_of(Condition condition, Method method, Verdict verdict) {
+  ConditionVerdict found;
+  found.condition = condition;
+  found.method = method;
+  found.verdict = verdict;
+  return found;
+}
+
+// One verdict on all conditions, `except` for one.
+std::vector<ConditionVerdict> verdicts(Method method, Verdict all, Condition except, Verdict other) {
+  std::vector<ConditionVerdict> found;
+  for (const Condition condition : all_conditions)
+    found.push_back(verdict_of(condition, method, condition == except ? other : all));
+  return found;
+}
+std::vector<ConditionVerdict> verdicts(Method method, Verdict all) {
+  return verdicts(method, all, Condition::initial, all);
+}
+
+Guarantee guarantee(const std::vector<ConditionVerdict>& found, bool margin = true,
+                    SideConditions side = kHold) {
+  return guarantee_of(found, side, problem_with_margin(margin));
+}
+
+TEST(Guarantee, GrowsInStrength) {
+  EXPECT_LT(Guarantee::none, Guarantee::sampled);
+  EXPECT_LT(Guarantee::sampled, Guarantee::conformal);
+  EXPECT_LT(Guarantee::conformal, Guarantee::proved);
+  EXPECT_LT(Guarantee::proved, Guarantee::invariant);
+}
+
+TEST(Guarantee, NothingCheckedIsNone) { EXPECT_EQ(guarantee({}), Guarantee::none); }
+
+TEST(Guarantee, OfSamples) {
+  EXPECT_EQ(guarantee(verdicts(Method::sampled, Verdict::passed)), Guarantee::sampled);
+  EXPECT_EQ(guarantee(verdicts(Method::conformal, Verdict::passed)), Guarantee::conformal);
+  for (const Method method : {Method::sampled, Method::conformal}) {
+    EXPECT_EQ(guarantee(verdicts(method, Verdict::passed, Condition::unsafe, Verdict::failed)),
+              Guarantee::none);
+  }
+}
+
+TEST(Guarantee, InvariantNeedsContainmentAndTheSideConditions) {
+  const auto all = verdicts(Method::proof, Verdict::proved);
+  EXPECT_EQ(guarantee(all), Guarantee::invariant);
+  EXPECT_EQ(guarantee(all, true, {.goal_is_safe = false, .initial_in_workspace = true}), Guarantee::proved);
+  EXPECT_EQ(guarantee(all, true, {.goal_is_safe = true, .initial_in_workspace = false}), Guarantee::proved);
+  for (const Verdict verdict : {Verdict::undecided, Verdict::refuted}) {
+    const auto open = verdicts(Method::proof, Verdict::proved, Condition::containment, verdict);
+    EXPECT_EQ(guarantee(open, false), Guarantee::proved);  // without a margin, it does not count
+    EXPECT_EQ(guarantee(open, true), Guarantee::none);
+  }
+}
+
+TEST(Guarantee, ProvedNeedsEveryConditionThatCounts) {
+  for (const Condition condition : all_conditions) {
+    auto found = verdicts(Method::proof, Verdict::proved);
+    std::erase_if(found, [&](const ConditionVerdict& verdict) { return verdict.condition == condition; });
+    EXPECT_EQ(guarantee(found, true), Guarantee::none) << to_string(condition);
+  }
+}
+
+TEST(Guarantee, AnUndecidedProofLeavesWhatSamplesSay) {
+  auto found = verdicts(Method::proof, Verdict::proved, Condition::unsafe, Verdict::undecided);
+  for (const auto& verdict : verdicts(Method::conformal, Verdict::passed)) found.push_back(verdict);
+  EXPECT_EQ(guarantee(found), Guarantee::conformal);
+}
+
+TEST(Guarantee, ARefutationOutweighsEverySample) {
+  for (const Condition condition : all_conditions) {
+    auto found = verdicts(Method::proof, Verdict::undecided, condition, Verdict::refuted);
+    for (const Method method : {Method::sampled, Method::conformal})
+      for (const auto& verdict : verdicts(method, Verdict::passed)) found.push_back(verdict);
+    EXPECT_EQ(guarantee(found, true), Guarantee::none) << to_string(condition);
+    EXPECT_EQ(guarantee(found, false),
+              condition == Condition::containment ? Guarantee::conformal : Guarantee::none);
+  }
+}
+
+}  // namespace
+}  // namespace s2nnds
