@@ -37,9 +37,9 @@ using nlohmann::ordered_json;
 // The errors of each demonstration of a split, one line each; the same for --json.
 ordered_json report_demonstrations(const PreparedRun& setup, const NetworkWeights& f,
                                    const std::string& split) {
-  const std::vector<std::int64_t>& members = split == "train"  ? setup.split.train
-                                             : split == "test" ? setup.split.test
-                                                               : setup.split.validation;
+  const std::vector<std::int64_t>& members = split == "train"  ? setup.data.split.train
+                                             : split == "test" ? setup.data.split.test
+                                                               : setup.data.split.validation;
   ordered_json rows = ordered_json::array();
   for (const std::int64_t k : members) {
     const Demonstration& demonstration = setup.demonstrations[static_cast<std::size_t>(k)];
@@ -105,9 +105,9 @@ TrainingStart start_from_run(const TrainArguments& arguments, const std::string&
 PolicyInfo policy_info(const RunRecord& record) {
   PolicyInfo info;
   info.name = record.name;
-  info.position_scale = record.data.normalization.position_scale;
-  info.velocity_scale = record.data.normalization.velocity_scale;
-  info.unit = record.data.unit;
+  info.position_scale = record.data.frame.position_scale;
+  info.velocity_scale = record.data.frame.velocity_scale;
+  info.unit = record.data.frame.unit;
   info.guarantee = to_string(record.certificate.guarantee);
   info.statement = record.certificate.statement;
   info.workspace_lower = record.problem.workspace.lower;

@@ -57,20 +57,19 @@ std::string aligned(const Rows& rows) {
 }
 
 std::string units(const RunData& data) {
-  if (data.unit.empty())
+  if (data.frame.unit.empty())
     return fmt::format("1 normalised = {} (length), {} (velocity) of the data",
-                       number(data.normalization.position_scale), number(data.normalization.velocity_scale));
-  return fmt::format("1 normalised = {} {} (length), {} {}/s (velocity)",
-                     number(data.normalization.position_scale), data.unit,
-                     number(data.normalization.velocity_scale), data.unit);
+                       number(data.frame.position_scale), number(data.frame.velocity_scale));
+  return fmt::format("1 normalised = {} {} (length), {} {}/s (velocity)", number(data.frame.position_scale),
+                     data.frame.unit, number(data.frame.velocity_scale), data.frame.unit);
 }
 
 Rows error_rows(const RunRecord& record) {
   const EvaluationSummary& e = record.evaluation;
   const auto in_unit = [](double value, double scale) { return number(value * scale); };
-  const double velocity = record.data.normalization.velocity_scale;
-  const double position = record.data.normalization.position_scale;
-  const std::string unit = record.data.unit.empty() ? "unit of the data" : record.data.unit;
+  const double velocity = record.data.frame.velocity_scale;
+  const double position = record.data.frame.position_scale;
+  const std::string unit = record.data.frame.unit.empty() ? "unit of the data" : record.data.frame.unit;
   return {
       {"errors", "train", "test"},
       {"velocity, MSE (normalised)", number(e.mse_train), number(e.mse_test)},
@@ -85,11 +84,10 @@ std::string safe_area(const RunRecord& record) {
   if (std::isnan(e.safe_area)) return "not measured";
   const auto n = record.data.dimension;
   const std::string absolute =
-      record.data.unit.empty()
+      record.data.frame.unit.empty()
           ? ""
-          : fmt::format(" ({} {}^{})",
-                        number(e.safe_area * std::pow(record.data.normalization.position_scale, n)),
-                        record.data.unit, n);
+          : fmt::format(" ({} {}^{})", number(e.safe_area * std::pow(record.data.frame.position_scale, n)),
+                        record.data.frame.unit, n);
   return fmt::format("{} normalised{}, {:.1f} % of what is truly safe", number(e.safe_area), absolute,
                      100.0 * e.safe_area_ratio);
 }
@@ -97,9 +95,9 @@ std::string safe_area(const RunRecord& record) {
 std::string disturbance(const RunRecord& record) {
   const Certificate& c = record.certificate;
   if (!(c.disturbance_margin > 0.0)) return "not certified";
-  const double scale = record.data.normalization.velocity_scale;
+  const double scale = record.data.frame.velocity_scale;
   return fmt::format("|w| <= {} {}/s ({} normalised); float32 {}", number(scale * c.disturbance_margin),
-                     record.data.unit, number(c.disturbance_margin),
+                     record.data.frame.unit, number(c.disturbance_margin),
                      c.float32_error < c.disturbance_margin ? "is covered" : "is NOT covered");
 }
 

@@ -7,12 +7,12 @@
 
 namespace s2nnds {
 
-// One recorded motion of M samples. Raw: seconds and the file's length unit (LASA: mm; ds-opt: m).
-// Normalised: see normalization.h.
+// One recorded motion of M samples. As read: seconds and the file's unit of length and frame (LASA: mm;
+// ds-opt: m). Normalised: see frame.h.
 struct Demonstration {
-  Vector time;      // [M] s, strictly increasing
+  Vector time;      // [M] strictly increasing
   Points position;  // [M, n]
-  Points velocity;  // [M, n], unit of position per second
+  Points velocity;  // [M, n], unit of position per unit of time
 
   Eigen::Index samples() const { return position.rows(); }
   Eigen::Index dimension() const { return position.cols(); }

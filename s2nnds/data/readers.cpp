@@ -6,8 +6,8 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/handwriting.h"
-#include "s2nnds/data/normalization.h"
 #include "s2nnds/data/recording.h"
+#include "s2nnds/data/split.h"
 
 namespace s2nnds {
 namespace {
@@ -56,12 +56,6 @@ DemonstrationSet read_source(const DataOptions& options, const std::string& data
   return set;
 }
 
-void translate_to_goal(Demonstration& d) {
-  const Eigen::RowVectorXd goal = d.position.row(d.samples() - 1);
-  d.position.rowwise() -= goal;
-  d.time.array() -= double(d.time[0]);
-}
-
 }  // namespace
 
 void DataOptions::visit(FieldVisitor& v) {
@@ -85,7 +79,6 @@ DemonstrationSet read_demonstrations(const DataOptions& options, const std::stri
   validate(options);
   DemonstrationSet set = read_source(options, data_dir);
   if (!options.use.empty()) set.demonstrations = select(set.demonstrations, options.use);
-  for (Demonstration& d : set.demonstrations) translate_to_goal(d);
   check_demonstrations(set, set.name);
   return set;
 }

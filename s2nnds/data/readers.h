@@ -25,12 +25,11 @@ struct DataOptions {
   void visit(FieldVisitor& v);  // names only the keys that `source` has
 };
 
-// Reads, checks, picks `use`, thins and translates to the goal (the last position of each demonstration
-// becomes the origin, its first time 0 s). Relative paths count from `data_dir`. Readers throw Error with
-// path, what was found and what was expected.
+// Reads, checks, picks `use` and thins; positions, times and velocities stay as they are in the files.
+// Relative paths count from `data_dir`. Readers throw Error with path, what was found and what was expected.
 DemonstrationSet read_demonstrations(const DataOptions& options, const std::string& data_dir);
 
-// The readers leave positions and times as the file has them. They keep every stride-th sample and the last
+// The readers keep every stride-th sample and the last
 // one; where a file has no velocities, they differentiate what is left, since thinning first amplifies noise
 // least.
 

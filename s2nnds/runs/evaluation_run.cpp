@@ -64,14 +64,14 @@ void evaluate(const PreparedRun& setup, RunRecord& record) {
   summary.mse_train = train_errors.mse;
   summary.sd_train = train_errors.sd;
   summary.dtw_train = train_errors.dtw;
-  if (!setup.split.test.empty()) {
+  if (!setup.data.split.test.empty()) {
     const MotionErrors test = motion_errors(networks.f, setup.test(), rollout);
     summary.mse_test = test.mse;
     summary.sd_test = test.sd;
     summary.dtw_test = test.dtw;
     summary.dtw_independent_test = test.dtw_independent;
   }
-  if (!setup.split.validation.empty()) {
+  if (!setup.data.split.validation.empty()) {
     summary.mse_validation = motion_errors(networks.f, setup.validation(), rollout).mse;
   }
   const SafeArea area =

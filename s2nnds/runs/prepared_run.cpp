@@ -4,25 +4,30 @@
 
 namespace s2nnds {
 
-PreparedRun prepare(const Config& config, const std::string& data_dir) {
-  PreparedRun setup;
-  setup.config = config;
-  setup.raw = read_demonstrations(config.data, data_dir);
-  setup.normalization = find_normalization(config.data.normalization, setup.raw.demonstrations);
-  setup.demonstrations = normalize(setup.raw.demonstrations, setup.normalization);
-  setup.split = split_demonstrations(setup.demonstrations.size(), config.data.test, config.data.validation);
-  setup.problem = make_problem(config.problem, setup.demonstrations, data_dir);
+namespace {
+
+PreparedRun prepare(Config config, RunData data, const std::string& data_dir) {
+  PreparedRun setup{
+      .config = std::move(config), .data = std::move(data), .demonstrations = {}, .problem = {}};
+  setup.demonstrations = setup.data.normalized();
+  setup.problem = make_problem(setup.config.problem, setup.demonstrations, data_dir);
   return setup;
 }
 
+}  // namespace
+
+PreparedRun prepare(const Config& config, const std::string& data_dir) {
+  DemonstrationSet as_read = read_demonstrations(config.data, data_dir);
+  RunData data;
+  data.dimension = as_read.dimension();
+  data.frame = find_frame(as_read, config.data.normalization);
+  data.split = split_demonstrations(as_read.demonstrations.size(), config.data.test, config.data.validation);
+  data.demonstrations = std::move(as_read.demonstrations);
+  return prepare(config, std::move(data), data_dir);
+}
+
 PreparedRun prepare(const RunRecord& record, const std::string& data_dir) {
-  PreparedRun setup;
-  setup.config = parse_config(record.config.resolved, "the run's configuration");
-  setup.normalization = record.data.normalization;
-  setup.split = record.data.split;
-  setup.demonstrations = record.data.normalized();
-  setup.problem = make_problem(setup.config.problem, setup.demonstrations, data_dir);
-  return setup;
+  return prepare(parse_config(record.config.resolved, "the run's configuration"), record.data, data_dir);
 }
 
 RunRecord new_record(const PreparedRun& setup, const std::string& text) {
@@ -33,14 +38,7 @@ RunRecord new_record(const PreparedRun& setup, const std::string& text) {
   record.name = setup.config.name;
   record.seed = setup.config.seed;
   record.config = {text, to_toml(setup.config), flatten(setup.config)};
-  record.data.unit = setup.raw.unit;
-  record.data.dimension = setup.problem.dimension();
-  record.data.normalization = setup.normalization;
-  record.data.split = setup.split;
-  record.data.demonstrations = setup.demonstrations;
-  for (std::size_t k = 0; k < record.data.demonstrations.size(); ++k) {
-    record.data.demonstrations[k].time = setup.raw.demonstrations[k].time;
-  }
+  record.data = setup.data;
   record.problem = {setup.problem.unsafe->describe(), setup.problem.initial->describe(),
                     setup.problem.workspace_margin ? setup.problem.containment : 0.0,
                     setup.config.training.level_band, setup.problem.workspace};

@@ -10,15 +10,13 @@ namespace s2nnds {
 // A configuration made concrete: data read, normalised and split, the sets built and checked.
 struct PreparedRun {
   Config config;
-  DemonstrationSet raw;
-  Normalization normalization;
-  Split split;
-  std::vector<Demonstration> demonstrations;  // normalised, all of them
+  RunData data;
+  std::vector<Demonstration> demonstrations;  // data.normalized()
   SafetyProblem problem;
 
-  std::vector<Demonstration> train() const { return select(demonstrations, split.train); }
-  std::vector<Demonstration> test() const { return select(demonstrations, split.test); }
-  std::vector<Demonstration> validation() const { return select(demonstrations, split.validation); }
+  std::vector<Demonstration> train() const { return select(demonstrations, data.split.train); }
+  std::vector<Demonstration> test() const { return select(demonstrations, data.split.test); }
+  std::vector<Demonstration> validation() const { return select(demonstrations, data.split.validation); }
 };
 
 // Throws Error for whatever is wrong with the data or the sets.

@@ -28,12 +28,8 @@ void check_name(const std::string& where, const std::string& name) {
 }
 
 void check_data(const RunData& data) {
-  const auto& scales = data.normalization;
   check(data.dimension >= 1, "/data: found dimension {}, expected at least 1", data.dimension);
-  check(scales.position_scale > 0.0 && std::isfinite(scales.position_scale) && scales.velocity_scale > 0.0 &&
-            std::isfinite(scales.velocity_scale),
-        "/data: found position_scale {} and velocity_scale {}, expected numbers > 0", scales.position_scale,
-        scales.velocity_scale);
+  data.frame.check(data.demonstrations.size(), data.dimension, "/data");
   for (std::size_t k = 0; k < data.demonstrations.size(); ++k) {
     const Demonstration& d = data.demonstrations[k];
     check(d.position.rows() == d.time.size() && d.velocity.rows() == d.time.size() &&
@@ -102,11 +98,12 @@ std::string numbered(const std::string& group, std::size_t index) {
 }
 
 void write(Hdf5Writer& file, const RunData& data) {
-  file.write_attribute("/data", "position_scale", data.normalization.position_scale);
-  file.write_attribute("/data", "velocity_scale", data.normalization.velocity_scale);
-  file.write_attribute("/data", "normalization", data.normalization.kind);
-  file.write_attribute("/data", "unit", data.unit);
   file.write_attribute("/data", "dimension", data.dimension);
+  file.write_attribute("/data", "unit", data.frame.unit);
+  file.write_attribute("/data", "normalization", data.frame.normalization);
+  file.write_attribute("/data", "position_scale", data.frame.position_scale);
+  file.write_attribute("/data", "velocity_scale", data.frame.velocity_scale);
+  file.write("/data/goals", data.frame.goals);
   file.write("/data/train", data.split.train);
   file.write("/data/test", data.split.test);
   if (!data.split.validation.empty()) file.write("/data/validation", data.split.validation);
@@ -121,10 +118,11 @@ void write(Hdf5Writer& file, const RunData& data) {
 
 RunData read_data(const Hdf5Reader& file) {
   RunData data;
-  data.normalization = {.kind = file.text_attribute("/data", "normalization"),
-                        .position_scale = file.number_attribute("/data", "position_scale"),
-                        .velocity_scale = file.number_attribute("/data", "velocity_scale")};
-  data.unit = file.text_attribute("/data", "unit");
+  data.frame = {.unit = file.text_attribute("/data", "unit"),
+                .normalization = file.text_attribute("/data", "normalization"),
+                .goals = file.read_points("/data/goals"),
+                .position_scale = file.number_attribute("/data", "position_scale"),
+                .velocity_scale = file.number_attribute("/data", "velocity_scale")};
   data.dimension = file.integer_attribute("/data", "dimension");
   check(data.dimension >= 1, "{}: /data: found dimension {}, expected at least 1", file.path(),
         data.dimension);
@@ -316,12 +314,6 @@ void check_record_of(const std::string& path, const RunRecord& record) {
 }
 
 }  // namespace
-
-std::vector<Demonstration> RunData::normalized() const {
-  std::vector<Demonstration> all = demonstrations;
-  for (Demonstration& demonstration : all) demonstration.time /= normalization.time_scale();
-  return all;
-}
 
 void EvaluationSummary::visit(FieldVisitor& v) {
   v.field("mse_train", mse_train, any_number());

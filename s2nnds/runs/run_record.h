@@ -9,15 +9,16 @@
 
 #include "s2nnds/core/options.h"
 #include "s2nnds/core/points.h"
-#include "s2nnds/data/normalization.h"
+#include "s2nnds/data/frame.h"
+#include "s2nnds/data/split.h"
 #include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/box.h"
 #include "s2nnds/verification/certificate.h"
 
 namespace s2nnds {
 
-// What a run leaves behind, one struct a group of its HDF5 file. n is the dimension; normalised units
-// throughout unless a field says otherwise.
+// What a run leaves behind, one struct a group of its HDF5 file. n is the dimension. All but RunData is in
+// normalised units (see data/frame.h) unless a field says otherwise.
 
 struct RunConfig {
   std::string text;                                         // the TOML as the user gave it
@@ -26,16 +27,13 @@ struct RunConfig {
 };
 
 struct RunData {
-  std::string unit;  // of length in the raw data; "" when unknown
   std::int64_t dimension = 0;
-  Normalization normalization;  // position_scale in raw units, velocity_scale in raw units per second
+  Frame frame;
   Split split;
-  // Every demonstration, those of the test split included. Position and velocity normalised, but time as
-  // recorded, in seconds.
+  // Every demonstration as read, in the data's unit and frame and in seconds; those held out included.
   std::vector<Demonstration> demonstrations;
 
-  // The demonstrations with normalised time as well.
-  std::vector<Demonstration> normalized() const;
+  std::vector<Demonstration> normalized() const { return frame.normalize(demonstrations); }
 };
 
 struct RunProblem {
@@ -127,7 +125,7 @@ struct RunRecord {
   std::optional<Checkpoint> checkpoint;
 };
 
-inline constexpr std::int64_t run_schema_version = 1;
+inline constexpr std::int64_t run_schema_version = 2;
 
 std::string time_stamp();  // now, UTC: "2024-05-31T12:00:00Z"
 

@@ -11,15 +11,15 @@ std::string number(double value) { return fmt::format("{:.4g}", value); }
 
 // "0.02 (1 mm/s)"; without a unit, the normalised number alone. `per` is "" or "/s".
 std::string quantity(double normalised, double scale, const RunData& data, const char* per) {
-  if (data.unit.empty()) return number(normalised) + " (normalised)";
-  return fmt::format("{} {}{} ({} normalised)", number(normalised * scale), data.unit, per,
+  if (data.frame.unit.empty()) return number(normalised) + " (normalised)";
+  return fmt::format("{} {}{} ({} normalised)", number(normalised * scale), data.frame.unit, per,
                      number(normalised));
 }
 std::string speed(double normalised, const RunData& data) {
-  return quantity(normalised, data.normalization.velocity_scale, data, "/s");
+  return quantity(normalised, data.frame.velocity_scale, data, "/s");
 }
 std::string length(double normalised, const RunData& data) {
-  return quantity(normalised, data.normalization.position_scale, data, "");
+  return quantity(normalised, data.frame.position_scale, data, "");
 }
 
 std::string all_conditions_in_words(const RunRecord& record) {
@@ -111,11 +111,11 @@ std::string refutations(const RunRecord& record) {
     if (verdict.verdict != Verdict::refuted) continue;
     text += fmt::format(" The proof REFUTED {}: it is violated at ({:.6g})", to_string(verdict.condition),
                         fmt::join(verdict.witness, ", "));
-    if (!record.data.unit.empty()) {
+    if (!record.data.frame.unit.empty()) {
       std::vector<double> position = verdict.witness;
-      for (double& coordinate : position) coordinate *= record.data.normalization.position_scale;
-      text +=
-          fmt::format(", which is ({:.6g}) {} from the goal", fmt::join(position, ", "), record.data.unit);
+      for (double& coordinate : position) coordinate *= record.data.frame.position_scale;
+      text += fmt::format(", which is ({:.6g}) {} from the goal", fmt::join(position, ", "),
+                          record.data.frame.unit);
     }
     text += ".";
   }

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "s2nnds/data/normalization.h"
+#include "s2nnds/data/frame.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
@@ -30,8 +30,8 @@ class AbcDs : public testing::TestWithParam<Published> {
     const std::string file = data + "/abc_ds/" + GetParam().motion + "_result.json";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << "needs the published ABC-DS results: " << file;
     result_ = nlohmann::json::parse(std::ifstream(file));
-    const auto raw = read_lasa(data + "/lasa/" + GetParam().motion + ".mat").demonstrations;
-    demonstrations_ = normalize(raw, find_normalization("max_norm", raw));
+    const DemonstrationSet set = read_lasa(data + "/lasa/" + GetParam().motion + ".mat");
+    demonstrations_ = find_frame(set, "max_norm").normalize(set.demonstrations);
   }
 
   Polynomial polynomial(const nlohmann::json& text) const {

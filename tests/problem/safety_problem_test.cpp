@@ -7,8 +7,9 @@
 #include <sstream>
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/data/normalization.h"
+#include "s2nnds/data/frame.h"
 #include "s2nnds/data/readers.h"
+#include "s2nnds/data/split.h"
 
 namespace s2nnds {
 namespace {
@@ -169,9 +170,8 @@ TEST(SafetyProblem, TheShippedConfigurationsAreSound) {
         continue;
       }
       const DemonstrationSet set = read_demonstrations(setting.data, shared.string());
-      const auto scales = find_normalization(setting.data.normalization, set.demonstrations);
       const auto split = split_demonstrations(set.demonstrations.size(), setting.data.test);
-      const auto all = normalize(set.demonstrations, scales);
+      const auto all = find_frame(set, setting.data.normalization).normalize(set.demonstrations);
       for (const auto& demonstrations : {all, select(all, split.train)}) {
         EXPECT_NO_THROW(make_problem(setting.problem, demonstrations, shared.string())) << entry.path();
       }

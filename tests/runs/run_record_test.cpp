@@ -42,9 +42,12 @@ RunRecord unusual_record() {
   r.config = {.text = "# a comment\nseed = 1\n",
               .resolved = "seed = 1\n",
               .values = {{"zeta.b", "3"}, {"alpha", "x"}}};
-  r.data.unit = "mm";
   r.data.dimension = 2;
-  r.data.normalization = {.kind = "max_norm", .position_scale = 42.5, .velocity_scale = 17.25};
+  r.data.frame = {.unit = "mm",
+                  .normalization = "max_norm",
+                  .goals = c.points(3, 2),
+                  .position_scale = 42.5,
+                  .velocity_scale = 17.25};
   r.data.split = {.train = {2}, .test = {1}, .validation = {0}};
   for (int samples : {3, 4, 2}) {
     r.data.demonstrations.push_back(
@@ -132,11 +135,12 @@ void expect_equal(const NetworkWeights& a, const NetworkWeights& b) {
 }
 
 void expect_equal(const RunData& a, const RunData& b) {
-  EXPECT_EQ(a.unit, b.unit);
+  EXPECT_EQ(a.frame.unit, b.frame.unit);
+  EXPECT_EQ(a.frame.goals, b.frame.goals);
   EXPECT_EQ(a.dimension, b.dimension);
-  EXPECT_EQ(a.normalization.kind, b.normalization.kind);
-  EXPECT_EQ(a.normalization.position_scale, b.normalization.position_scale);
-  EXPECT_EQ(a.normalization.velocity_scale, b.normalization.velocity_scale);
+  EXPECT_EQ(a.frame.normalization, b.frame.normalization);
+  EXPECT_EQ(a.frame.position_scale, b.frame.position_scale);
+  EXPECT_EQ(a.frame.velocity_scale, b.frame.velocity_scale);
   EXPECT_EQ(a.split.train, b.split.train);
   EXPECT_EQ(a.split.test, b.split.test);
   EXPECT_EQ(a.split.validation, b.split.validation);
@@ -231,6 +235,7 @@ TEST(RunRecord, ThreeDimensionalGridsKeepTheirShape) {
   RunRecord record = unusual_record();
   record.data.dimension = 3;
   record.data.demonstrations.clear();
+  record.data.frame.goals.resize(0, 3);
   record.data.split = {};
   record.rollouts.clear();
   record.problem.workspace = Box{.lower = -Vector::Ones(3), .upper = Vector::Ones(3)};
@@ -249,12 +254,19 @@ TEST(RunRecord, ThreeDimensionalGridsKeepTheirShape) {
             (std::vector<Eigen::Index>{2, 3, 4, 3}));
 }
 
-TEST(RunRecord, NormalizedTimeRunsAtTheRatioOfTheScales) {
-  const RunData data = unusual_record().data;
-  const std::vector<Demonstration> normalized = data.normalized();
-  ASSERT_EQ(normalized.size(), data.demonstrations.size());
-  EXPECT_NEAR(normalized[1].time[2], data.demonstrations[1].time[2] * 17.25 / 42.5, 1e-15);
-  EXPECT_EQ(normalized[1].velocity, data.demonstrations[1].velocity);
+// A resumed run must see the numbers that training saw, to the last bit.
+TEST(RunRecord, NormalizedDemonstrationsComeBackBitForBit) {
+  const TemporaryDirectory directory;
+  const RunRecord a = unusual_record();
+  save_run(directory.file("run.h5"), a);
+  const std::vector<Demonstration> before = a.data.normalized();
+  const std::vector<Demonstration> after = load_run(directory.file("run.h5")).data.normalized();
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    EXPECT_EQ(before[k].time, after[k].time);
+    EXPECT_EQ(before[k].position, after[k].position);
+    EXPECT_EQ(before[k].velocity, after[k].velocity);
+  }
 }
 
 TEST(RunRecord, MisfitsAreNamed) {
@@ -272,8 +284,10 @@ TEST(RunRecord, MisfitsAreNamed) {
             "/networks/f: found 2 inputs and 1 outputs, expected 2 and 2");
   EXPECT_EQ(error([](RunRecord& r) { r.data.split.test = {3}; }),
             "/data/test: found demonstration 3, expected 0 to 2");
-  EXPECT_EQ(error([](RunRecord& r) { r.data.normalization.velocity_scale = std::nan(""); }),
+  EXPECT_EQ(error([](RunRecord& r) { r.data.frame.velocity_scale = std::nan(""); }),
             "/data: found position_scale 42.5 and velocity_scale nan, expected numbers > 0");
+  EXPECT_EQ(error([](RunRecord& r) { r.data.frame.goals.resize(2, 2); }),
+            "/data: found goals [2, 2], expected [3, 2]");
   EXPECT_EQ(error([](RunRecord& r) { r.data.demonstrations[1].velocity.resize(3, 2); }),
             "/data/demonstrations/1: found position [4, 2] and velocity [3, 2], expected [4, 2]");
   EXPECT_EQ(error([](RunRecord& r) { r.problem.workspace.upper.resize(3); }),
@@ -320,8 +334,8 @@ TEST(RunRecord, DamagedItemsAreNamed) {
     edit(path, python);
     return error_of([&] { load_run(path); });
   };
-  EXPECT_EQ(error_after("f.attrs.modify('schema_version', 2)"),
-            path + ": found a run file of schema 2, expected schema 1");
+  EXPECT_EQ(error_after("f.attrs.modify('schema_version', 1)"),
+            path + ": found a run file of schema 1, expected schema 2");
   EXPECT_EQ(error_after("del f.attrs['schema_version']"),
             path + ": expected a run file, found HDF5 without a schema_version");
   EXPECT_EQ(
@@ -420,7 +434,7 @@ TEST(RunRecord, OtherProgramsReadTheFile) {
   put_bytes(script, R"(
 import h5py, sys
 with h5py.File(sys.argv[1]) as f:
-    assert f.attrs['schema_version'] == 1
+    assert f.attrs['schema_version'] == 2
     assert f.attrs['created'] == '2024-05-31T12:00:00Z'
     assert f['config/text'][()].decode() == '# a comment\nseed = 1\n'
     assert f['config/values'].attrs['zeta.b'] == '3'

@@ -10,9 +10,9 @@ RunRecord record_with(Guarantee guarantee) {
   RunRecord record;
   record.name = "Sine";
   record.seed = 4;
-  record.data.unit = "mm";
-  record.data.normalization.position_scale = 40.0;
-  record.data.normalization.velocity_scale = 50.0;
+  record.data.frame.unit = "mm";
+  record.data.frame.position_scale = 40.0;
+  record.data.frame.velocity_scale = 50.0;
   record.problem.containment = 0.985;
   record.problem.level_band = 0.01;
   record.problem.workspace = Box::cube(2, 1.25);
@@ -60,7 +60,7 @@ TEST(Statement, ShowsTheWitnessOfARefutationInTheUnitOfTheData) {
   record.certificate.conditions[0].witness = {0.25, -0.5};
   EXPECT_TRUE(says(record, "REFUTED unsafe: it is violated at (0.25, -0.5), which is (10, -20) mm"))
       << guarantee_statement(record);
-  record.data.unit = "";
+  record.data.frame.unit = "";
   EXPECT_TRUE(says(record, "it is violated at (0.25, -0.5).")) << guarantee_statement(record);
 }
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/frame.h"
 #include "s2nnds/data/handwriting.h"
-#include "s2nnds/data/normalization.h"
 #include "s2nnds/evaluation/rollout.h"
 #include "s2nnds/training/falsifier.h"
 
@@ -23,8 +23,8 @@ struct Fixture {
   TrainerOptions options;
 
   Fixture() {
-    DemonstrationSet set = handwriting("Sine");
-    demonstrations = normalize(set.demonstrations, find_normalization("max_abs", set.demonstrations));
+    const DemonstrationSet set = handwriting("Sine");
+    demonstrations = find_frame(set, "max_abs").normalize(set.demonstrations);
     ProblemOptions p;
     p.unsafe.type = "ball";
     p.unsafe.center = {-0.32, 0.22};

@@ -1,4 +1,4 @@
-#include "s2nnds/data/normalization.h"
+#include "s2nnds/data/split.h"
 
 #include <algorithm>
 
@@ -6,10 +6,6 @@
 
 namespace s2nnds {
 namespace {
-
-double scale_of(const std::string& kind, const Points& points) {
-  return kind == "max_norm" ? points.rowwise().norm().maxCoeff() : points.cwiseAbs().maxCoeff();
-}
 
 // Throws Error unless all indices are below `count` and differ from one another.
 void check_indices(std::size_t count, const std::vector<std::int64_t>& indices) {
@@ -25,31 +21,6 @@ void check_indices(std::size_t count, const std::vector<std::int64_t>& indices) 
 }
 
 }  // namespace
-
-Normalization find_normalization(const std::string& kind, const std::vector<Demonstration>& demonstrations) {
-  check(kind == "max_abs" || kind == "max_norm", "normalization: found '{}'; expected max_abs or max_norm",
-        kind);
-  const Points positions = stack_positions(demonstrations);
-  const Points velocities = stack_velocities(demonstrations);
-  check(positions.size() > 0 && velocities.size() > 0,
-        "normalization: found no samples; expected at least 1");
-  Normalization found{kind, scale_of(kind, positions), scale_of(kind, velocities)};
-  check(found.position_scale > 0 && found.velocity_scale > 0,
-        "normalization: found largest position {} and velocity {}; expected a motion, both > 0",
-        found.position_scale, found.velocity_scale);
-  return found;
-}
-
-std::vector<Demonstration> normalize(const std::vector<Demonstration>& demonstrations,
-                                     const Normalization& scales) {
-  std::vector<Demonstration> normalized = demonstrations;
-  for (Demonstration& d : normalized) {
-    d.time /= scales.time_scale();
-    d.position /= scales.position_scale;
-    d.velocity /= scales.velocity_scale;
-  }
-  return normalized;
-}
 
 Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& test,
                            const std::vector<std::int64_t>& validation) {
