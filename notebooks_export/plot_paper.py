@@ -19,7 +19,6 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.collections import LineCollection
 
 from plot_run import (
     ROLLOUT,
@@ -27,11 +26,13 @@ from plot_run import (
     demonstration_groups,
     draw_flow,
     draw_goal,
+    draw_lines,
     draw_phase_portrait,
     draw_sets,
-    grid_of,
+    frame,
     legend_below,
     save,
+    with_grid,
 )
 from s2nnds_run import Run, RunError
 
@@ -44,6 +45,12 @@ def planar(paths):
     return runs
 
 
+def plain_axes(ax):
+    """The unit alone: every panel has the same axes."""
+    ax.set_xlabel(ax.get_xlabel().partition(" ")[2])
+    ax.set_ylabel("")
+
+
 def panels(runs, columns=4):
     """One phase portrait a run, titled by its motion and guarantee."""
     rows = -(-len(runs) // columns)
@@ -53,10 +60,9 @@ def panels(runs, columns=4):
     )
     handles = []
     for ax, run in zip(axes.flat, runs):
-        handles += draw_phase_portrait(ax, run, grid_of(run))
-        ax.set_title(f"{run.name}: {run.guarantee}\nsafe area {run.evaluation['safe_area_ratio']:.2f} of true")
-        ax.set_xlabel("")
-        ax.set_ylabel("")
+        handles += draw_phase_portrait(ax, with_grid(run))
+        ax.set_title(f"{run.name}: {run.guarantee}\nsafe set {run.evaluation['safe_area_ratio']:.0%} of the truly safe one")
+        plain_axes(ax)
     for ax in axes.flat[len(runs) :]:
         ax.axis("off")
     legend_below(figure, handles, columns=5)
@@ -93,26 +99,22 @@ def follow(f, start, step=0.02, steps=3000):
 
 
 def draw_polynomials(ax, run, published):
-    """ABC-DS's flow, {B <= 0} and rollouts on the square [-1, 1]^2, on which its conditions speak."""
+    """ABC-DS's flow, {B <= 0} and rollouts on the normalised square [-1, 1]^2, on which its conditions speak."""
     f, barrier = Polynomials(published["f"]), Polynomials(published["B"])
     axis = np.linspace(-1.0, 1.0, 161)
     points = np.stack(np.meshgrid(axis, axis, indexing="ij"), -1).reshape(-1, 2)
-    grid = grid_of(run)
-    x, y = grid.axes
-    handles = draw_sets(ax, axis, axis, barrier=barrier(points)[:, 0].reshape(161, 161))
-    handles += draw_sets(ax, x, y, unsafe=grid.unsafe, initial=grid.initial)
-    handles += draw_flow(ax, axis, axis, f(points).reshape(161, 161, 2))
+    starts = [demonstration.position[0] for demonstration in run.data.normalized]
+    rollouts = [run.data.to_data(follow(f, start)) for start in starts]
+    x, y = run.data.to_data(np.stack([axis, axis], -1)).T
+    run = with_grid(run)
+    handles = draw_sets(ax, x, y, barrier=barrier(points)[:, 0].reshape(161, 161))
+    handles += draw_sets(ax, *run.grid.axes, unsafe=run.grid.unsafe, initial=run.grid.initial)
+    handles += draw_flow(ax, x, y, f(points).reshape(161, 161, 2))
     for _, colour, positions in demonstration_groups(run):
-        ax.add_collection(LineCollection(positions, colors=colour, linewidths=1.4, zorder=5), autolim=False)
-    starts = [d.position[0] for d in run.data.demonstrations]
-    ax.add_collection(
-        LineCollection([follow(f, start) for start in starts], colors=ROLLOUT, linewidths=1.6, zorder=6),
-        autolim=False,
-    )
-    draw_goal(ax)
-    ax.set_xlim(run.problem.workspace_lower[0], run.problem.workspace_upper[0])
-    ax.set_ylim(run.problem.workspace_lower[1], run.problem.workspace_upper[1])
-    ax.set_aspect("equal")
+        draw_lines(ax, positions, 0, 1, colors=colour, linewidths=1.4, zorder=5)
+    draw_lines(ax, rollouts, 0, 1, colors=ROLLOUT, linewidths=1.6, zorder=6)
+    draw_goal(ax, run)
+    frame(ax, run)
     return handles
 
 
@@ -127,13 +129,12 @@ def against(runs, results):
         if motion not in published:
             raise RunError(f"found no ABC-DS result for {motion} in the results, expected one")
         row = published[motion]
-        handles += draw_phase_portrait(ours, run, grid_of(run))
+        handles += draw_phase_portrait(ours, with_grid(run))
         ours.set_title(f"{motion}, ours: {run.guarantee}\ntest MSE {run.evaluation['mse_test']:.3f}")
         handles += draw_polynomials(theirs, run, row)
         theirs.set_title(f"{motion}, ABC-DS\ntest MSE {row['mse_test']:.3f}")
         for ax in (ours, theirs):
-            ax.set_xlabel("")
-            ax.set_ylabel("")
+            plain_axes(ax)
     legend_below(figure, handles, columns=5)
     return figure
 

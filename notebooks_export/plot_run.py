@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Figures of one run, from its run file alone.
+"""Figures of one run, from its run file alone, in the data's unit and frame.
 
     plot_run.py RUN.h5 --out DIR [--format png|pdf]
 
@@ -10,7 +10,6 @@ Prints the paths it wrote; exit code 2 and one line on stderr when the file or t
 import argparse
 import os
 import sys
-from dataclasses import replace
 from itertools import combinations
 
 import matplotlib
@@ -51,74 +50,60 @@ STYLE = {
 # ---------------------------------------------------------------- what the figures are made of
 
 
-def grid_of(run):
-    """The stored grid, or one evaluated here from the networks (then without the sets); None beyond 3-D."""
+def with_grid(run):
+    """A run as it is drawn: in the data's unit, with a grid that holds V, B and f up to three dimensions.
+
+    Without a stored grid one is evaluated here from the networks, then without the sets.
+    """
     n = run.dimension
     if n > 3:
-        return None
-    if run.grid is None:
-        count = 161 if n == 2 else 31
-        axes = [
-            np.linspace(low, high, count)
-            for low, high in zip(run.problem.workspace_lower, run.problem.workspace_upper)
-        ]
-        grid = Grid(axes)
-    else:
-        grid = replace(run.grid)
-    shape = tuple(len(axis) for axis in grid.axes)
-    points = np.stack(np.meshgrid(*grid.axes, indexing="ij"), -1).reshape(-1, n)
+        return run.in_data_unit()
+    lower, upper = run.problem.workspace_lower, run.problem.workspace_upper
+    count = 161 if n == 2 else 31
+    grid = run.grid or Grid([np.linspace(low, high, count) for low, high in zip(lower, upper)])
+    points = np.stack(np.meshgrid(*grid.axes, indexing="ij"), -1)
     for name in ("V", "B"):
         if getattr(grid, name) is None:
-            setattr(grid, name, getattr(run, name)(points).reshape(shape))
+            setattr(grid, name, getattr(run, name)(points.reshape(-1, n)).reshape(points.shape[:-1]))
     if grid.velocity is None:
-        grid.velocity = run.f(points).reshape(shape + (n,))
-    return grid
+        grid.velocity = run.f(points.reshape(-1, n)).reshape(points.shape)
+    run.grid = grid
+    return run.in_data_unit()
+
+
+def name_of(run):
+    return run.name or "run"
 
 
 def title_of(run):
-    lines = [f"{run.name or 'run'}: guarantee {run.guarantee}"]
-    size = "area" if run.dimension == 2 else "volume"
     facts = [
-        f"{label} {run.evaluation[key]:.3g}"
-        for key, label in (
-            ("mse_test", "test MSE"),
-            ("safe_area", f"safe {size}"),
-            ("true_safe_area", f"true safe {size}"),
-        )
+        form.format(run.evaluation[key])
+        for key, form in (("mse_test", "test MSE {:.3g}"), ("safe_area_ratio", "safe set {:.0%} of the truly safe one"))
         if np.isfinite(run.evaluation.get(key, np.nan))
     ]
-    if facts:
-        lines.append(", ".join(facts))
-    return "\n".join(lines)
+    return "\n".join([f"{name_of(run)}: guarantee {run.guarantee}", *([", ".join(facts)] if facts else [])])
 
 
 def axis_label(run, k):
-    """x_k with the length that 1 stands for."""
-    unit = f" / {run.data.position_scale:.3g} {run.data.unit}" if run.data.unit else " (normalised)"
-    return f"$x_{k + 1}${unit}"
+    return f"$x_{k + 1}$ [{run.data.unit}]" if run.data.unit else f"$x_{k + 1}$"
 
 
 def demonstration_groups(run):
     """(label, colour, positions of the demonstrations) of the train and the test demonstrations."""
-    groups = []
-    for label, colour, indices in (
-        ("demonstrations", TRAIN, run.data.train),
-        ("test demonstrations", TEST, run.data.test),
-    ):
-        if indices:
-            groups.append((label, colour, [run.data.demonstrations[k].position for k in indices]))
-    return groups
+    groups = (("demonstrations", TRAIN, run.data.train), ("test demonstrations", TEST, run.data.test))
+    return [
+        (label, colour, [run.data.demonstrations[k].position for k in indices])
+        for label, colour, indices in groups
+        if indices
+    ]
 
 
 def rollout_groups(run):
     """(label, line width, opacity, positions): from the demonstrations' starts, and from a grid's."""
     own = [rollout.position for rollout in run.rollouts if rollout.start_kind != "grid"]
     grid = [rollout.position for rollout in run.rollouts if rollout.start_kind == "grid"]
-    return [
-        group
-        for group in (("rollouts from the grid", 0.7, 0.55, grid), ("rollouts", 1.6, 1.0, own))
-        if group[3]
-    ]
+    groups = (("rollouts from the grid", 0.7, 0.55, grid), ("rollouts", 1.6, 1.0, own))
+    return [group for group in groups if group[3]]
 
 
 def failed_ends(run):
@@ -145,142 +130,33 @@ def has_zero(level):
     return reaches(level) and bool((level > 0.0).any())
 
 
-# ---------------------------------------------------------------- drawing in a plane
+# ---------------------------------------------------------------- legends
 
 
-def goal_handle():
+def line(label, colour, width=1.6, **style):
+    return Line2D([], [], color=colour, linewidth=width, label=label, **style)
+
+
+def mark(label, marker, face, edge, size, **style):
     return Line2D(
         [],
         [],
-        marker="*",
         color="none",
-        markerfacecolor=GOAL,
-        markeredgecolor="black",
-        markersize=13,
-        label="goal",
+        marker=marker,
+        markerfacecolor=face,
+        markeredgecolor=edge,
+        markersize=size,
+        label=label,
+        **style,
     )
 
 
-def draw_goal(ax, x=0.0, y=0.0):
-    ax.plot(
-        [x],
-        [y],
-        marker="*",
-        color=GOAL,
-        markeredgecolor="black",
-        markeredgewidth=0.8,
-        markersize=14,
-        zorder=9,
-    )
+def goal_handle():
+    return mark("goal", "*", GOAL, "black", 13)
 
 
-def draw_sets(ax, x, y, unsafe=None, initial=None, barrier=None):
-    """The safe set, the unsafe set and X0 from their samples [len(x), len(y)]; returns legend handles."""
-    handles = []
-    if reaches(barrier):
-        ax.contourf(x, y, barrier.T, levels=[-np.inf, 0.0], colors=[SAFE_FILL], zorder=0)
-        if has_zero(barrier):
-            ax.contour(x, y, barrier.T, levels=[0.0], colors=[SAFE_EDGE], linewidths=1.8, zorder=4)
-        handles.append(
-            Patch(facecolor=SAFE_FILL, edgecolor=SAFE_EDGE, linewidth=1.8, label="safe set {B ≤ 0}")
-        )
-    if reaches(unsafe):
-        ax.contourf(x, y, unsafe.T, levels=[-np.inf, 0.0], colors=[UNSAFE_FILL], zorder=3)
-        if has_zero(unsafe):
-            ax.contour(x, y, unsafe.T, levels=[0.0], colors=[UNSAFE_EDGE], linewidths=1.2, zorder=4)
-        handles.append(Patch(facecolor=UNSAFE_FILL, edgecolor=UNSAFE_EDGE, label="unsafe set"))
-    if has_zero(initial):
-        ax.contour(
-            x, y, initial.T, levels=[0.0], colors=[INITIAL_EDGE], linewidths=1.4, linestyles=["--"], zorder=7
-        )
-        handles.append(Line2D([], [], color=INITIAL_EDGE, linestyle="--", linewidth=1.4, label="initial set"))
-    return handles
-
-
-def draw_rollouts(ax, run, i, j, fade):
-    handles = []
-    for label, width, alpha, positions in rollout_groups(run):
-        ax.add_collection(
-            LineCollection(
-                [p[:, [i, j]] for p in positions],
-                colors=ROLLOUT,
-                linewidths=width,
-                alpha=alpha * fade,
-                zorder=6,
-            ),
-            autolim=False,
-        )
-        handles.append(Line2D([], [], color=ROLLOUT, linewidth=width, alpha=alpha, label=label))
-    return handles
-
-
-def draw_motions(ax, run, i=0, j=1, faint=False):
-    """Demonstrations and rollouts, projected on the plane of axes i and j; returns legend handles."""
-    handles = []
-    fade = 0.45 if faint else 1.0
-    for label, colour, positions in demonstration_groups(run):
-        ax.add_collection(
-            LineCollection(
-                [p[:, [i, j]] for p in positions], colors=colour, linewidths=1.4, alpha=0.9 * fade, zorder=5
-            ),
-            autolim=False,
-        )
-        handles.append(Line2D([], [], color=colour, linewidth=1.6, label=label))
-    handles += draw_rollouts(ax, run, i, j, fade)
-    ends = failed_ends(run)
-    if len(ends) and not faint:
-        ax.plot(ends[:, i], ends[:, j], "x", color="black", markersize=6, markeredgewidth=1.6, zorder=8)
-        handles.append(
-            Line2D(
-                [],
-                [],
-                marker="x",
-                color="none",
-                markeredgecolor="black",
-                markersize=6,
-                markeredgewidth=1.6,
-                label="rollout stopped: unsafe or left",
-            )
-        )
-    return handles
-
-
-def draw_boxes(ax, boxes, i=0, j=1):
-    """Boxes [k, 2n] that a proof left open; edges have a width of their own, so that tiny ones are seen."""
-    if not len(boxes):
-        return []
-    n = boxes.shape[1] // 2
-    patches = [Rectangle((box[i], box[j]), box[n + i] - box[i], box[n + j] - box[j]) for box in boxes]
-    ax.add_collection(
-        PatchCollection(patches, facecolor=OPEN_BOX, edgecolor=OPEN_BOX, linewidths=1.2, zorder=7.5),
-        autolim=False,
-    )
-    return [Patch(facecolor=OPEN_BOX, edgecolor=OPEN_BOX, label="open boxes of the proof")]
-
-
-def frame(ax, run, i=0, j=1):
-    """Equal axes over the workspace, with the containment box where there is one."""
-    lower, upper = run.problem.workspace_lower, run.problem.workspace_upper
-    share = run.problem.containment
-    if 0.0 < share < 1.0:
-        middle, half = 0.5 * (lower + upper), 0.5 * share * (upper - lower)
-        ax.add_patch(
-            Rectangle(
-                (middle - half)[[i, j]],
-                2 * half[i],
-                2 * half[j],
-                fill=False,
-                edgecolor="#666666",
-                linewidth=0.8,
-                linestyle=":",
-                zorder=2,
-            )
-        )
-    ax.set_xlim(lower[i], upper[i])
-    ax.set_ylim(lower[j], upper[j])
-    ax.set_aspect("equal")
-    ax.set_xlabel(axis_label(run, i))
-    ax.set_ylabel(axis_label(run, j))
+def failed_handle():
+    return mark("rollout stopped: unsafe or left", "x", "black", "black", 6, markeredgewidth=1.6)
 
 
 def legend_below(figure, handles, columns=3):
@@ -297,40 +173,121 @@ def legend_below(figure, handles, columns=3):
     )
 
 
+# ---------------------------------------------------------------- drawing in a plane
+
+
+def draw_goal(ax, run, i=0, j=1):
+    ax.plot(
+        *([place] for place in run.data.goal[[i, j]]),
+        marker="*",
+        color=GOAL,
+        markeredgecolor="black",
+        markeredgewidth=0.8,
+        markersize=14,
+        zorder=9,
+    )
+
+
+def draw_sets(ax, x, y, unsafe=None, initial=None, barrier=None):
+    """The safe set, the unsafe set and X0 from their samples [len(x), len(y)]; returns legend handles."""
+
+    def fill(level, face, edge, width, zorder):
+        ax.contourf(x, y, level.T, levels=[-np.inf, 0.0], colors=[face], zorder=zorder)
+        if has_zero(level):
+            ax.contour(x, y, level.T, levels=[0.0], colors=[edge], linewidths=width, zorder=4)
+
+    handles = []
+    if reaches(barrier):
+        fill(barrier, SAFE_FILL, SAFE_EDGE, 1.8, 0)
+        handles.append(Patch(facecolor=SAFE_FILL, edgecolor=SAFE_EDGE, linewidth=1.8, label="safe set {B ≤ 0}"))
+    if reaches(unsafe):
+        fill(unsafe, UNSAFE_FILL, UNSAFE_EDGE, 1.2, 3)
+        handles.append(Patch(facecolor=UNSAFE_FILL, edgecolor=UNSAFE_EDGE, label="unsafe set"))
+    if has_zero(initial):
+        style = {"linewidths": 1.4, "linestyles": ["--"], "zorder": 7}
+        ax.contour(x, y, initial.T, levels=[0.0], colors=[INITIAL_EDGE], **style)
+        handles.append(line("initial set", INITIAL_EDGE, 1.4, linestyle="--"))
+    return handles
+
+
+def draw_lines(ax, positions, i, j, **style):
+    ax.add_collection(LineCollection([p[:, [i, j]] for p in positions], **style), autolim=False)
+
+
+def draw_rollouts(ax, run, i=0, j=1, fade=1.0):
+    handles = []
+    for label, width, alpha, positions in rollout_groups(run):
+        draw_lines(ax, positions, i, j, colors=ROLLOUT, linewidths=width, alpha=alpha * fade, zorder=6)
+        handles.append(line(label, ROLLOUT, width, alpha=alpha))
+    return handles
+
+
+def draw_motions(ax, run, i=0, j=1, faint=False):
+    """Demonstrations and rollouts, projected on the plane of axes i and j; returns legend handles."""
+    handles = []
+    fade = 0.45 if faint else 1.0
+    for label, colour, positions in demonstration_groups(run):
+        draw_lines(ax, positions, i, j, colors=colour, linewidths=1.4, alpha=0.9 * fade, zorder=5)
+        handles.append(line(label, colour))
+    handles += draw_rollouts(ax, run, i, j, fade)
+    ends = failed_ends(run)
+    if len(ends) and not faint:
+        ax.plot(ends[:, i], ends[:, j], "x", color="black", markersize=6, markeredgewidth=1.6, zorder=8)
+        handles.append(failed_handle())
+    return handles
+
+
+def draw_boxes(ax, boxes, i=0, j=1):
+    """Boxes [k, 2n] that a proof left open; edges have a width of their own, so that tiny ones are seen."""
+    if not len(boxes):
+        return []
+    n = boxes.shape[1] // 2
+    patches = [Rectangle((box[i], box[j]), box[n + i] - box[i], box[n + j] - box[j]) for box in boxes]
+    style = {"facecolor": OPEN_BOX, "edgecolor": OPEN_BOX}
+    ax.add_collection(PatchCollection(patches, linewidths=1.2, zorder=7.5, **style), autolim=False)
+    return [Patch(label="open boxes of the proof", **style)]
+
+
+def frame(ax, run, i=0, j=1):
+    """Equal axes over the workspace, with the containment box where there is one."""
+    lower, upper = run.problem.workspace_lower[[i, j]], run.problem.workspace_upper[[i, j]]
+    share = run.problem.containment
+    if 0.0 < share < 1.0:
+        corner = 0.5 * (lower + upper) - 0.5 * share * (upper - lower)
+        style = {"edgecolor": "#666666", "linewidth": 0.8, "linestyle": ":", "zorder": 2}
+        ax.add_patch(Rectangle(corner, *(share * (upper - lower)), fill=False, **style))
+    ax.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]))
+    ax.set_aspect("equal")
+    ax.set_xlabel(axis_label(run, i))
+    ax.set_ylabel(axis_label(run, j))
+
+
 # ---------------------------------------------------------------- phase portrait
 
 
-def draw_flow(ax, x, y, velocity):
+def draw_flow(ax, x, y, velocity, **style):
     """Streamlines of samples [len(x), len(y), 2]; streamplot wants spacings equal to the last bit."""
-    ax.streamplot(
-        np.linspace(x[0], x[-1], len(x)),
-        np.linspace(y[0], y[-1], len(y)),
-        velocity[..., 0].T,
-        velocity[..., 1].T,
-        color=FLOW,
-        density=1.5,
-        linewidth=0.6,
-        arrowsize=0.8,
-        zorder=1,
-    )
-    return [Line2D([], [], color=FLOW, linewidth=1.0, label="flow of f")]
+    style = {"color": FLOW, "density": 1.5, "linewidth": 0.6, "arrowsize": 0.8, "zorder": 1, **style}
+    places = [np.linspace(axis[0], axis[-1], len(axis)) for axis in (x, y)]
+    ax.streamplot(*places, velocity[..., 0].T, velocity[..., 1].T, **style)
+    return [line("flow of f", FLOW, 1.0)]
 
 
-def draw_phase_portrait(ax, run, grid):
+def draw_phase_portrait(ax, run):
     """All that Fig. 2 of the paper shows of a planar run; returns legend handles."""
-    x, y = grid.axes
-    handles = draw_sets(ax, x, y, grid.unsafe, grid.initial, grid.B)
-    flow = draw_flow(ax, x, y, grid.velocity)
+    grid = run.grid
+    handles = draw_sets(ax, *grid.axes, grid.unsafe, grid.initial, grid.B)
+    flow = draw_flow(ax, *grid.axes, grid.velocity)
     handles += draw_motions(ax, run)
     handles += draw_boxes(ax, all_open_boxes(run))
-    draw_goal(ax)
+    draw_goal(ax, run)
     frame(ax, run)
     return handles + [goal_handle()] + flow
 
 
-def phase_portrait_2d(run, grid):
+def phase_portrait_2d(run):
     figure, ax = plt.subplots(figsize=(6.2, 6.2), constrained_layout=True)
-    handles = draw_phase_portrait(ax, run, grid)
+    handles = draw_phase_portrait(ax, run)
     ax.set_title(title_of(run))
     legend_below(figure, handles)
     return figure
@@ -355,77 +312,45 @@ def draw_surface(ax, axes, level, colour, alpha, zorder, most=26):
     light = np.array([0.45, -0.35, 0.82])
     shade = 0.55 + 0.45 * np.abs(normals @ light)
     colours = np.column_stack([np.outer(shade, to_rgb(colour)), np.full(len(shade), alpha)])
-    ax.add_collection3d(
-        Poly3DCollection(
-            triangles,
-            facecolors=colours,
-            edgecolors="none",
-            linewidths=0,
-            antialiaseds=False,
-            rasterized=True,
-            zorder=zorder,
-        )
-    )
+    style = {"edgecolors": "none", "linewidths": 0, "antialiaseds": False, "rasterized": True}
+    ax.add_collection3d(Poly3DCollection(triangles, facecolors=colours, zorder=zorder, **style))
 
 
-def phase_portrait_3d(run, grid):
+def phase_portrait_3d(run):
     figure = plt.figure(figsize=(7.0, 6.6))
     ax = figure.add_axes([0.02, 0.04, 0.92, 0.88], projection="3d", computed_zorder=False)
-    handles = []
-    if has_zero(grid.B):
-        draw_surface(ax, grid.axes, grid.B, "#4fc04f", 0.10, 1)
-        handles.append(Patch(facecolor=SAFE_FILL, edgecolor=SAFE_EDGE, label="boundary of the safe set"))
-    if has_zero(grid.unsafe):
-        draw_surface(ax, grid.axes, grid.unsafe, "#e5534b", 0.75, 3, most=60)
-        handles.append(Patch(facecolor=UNSAFE_FILL, edgecolor=UNSAFE_EDGE, label="unsafe set"))
-    if has_zero(grid.initial):
-        draw_surface(ax, grid.axes, grid.initial, "#555555", 0.25, 4, most=60)
-        handles.append(Patch(facecolor="#bbbbbb", edgecolor="#555555", label="initial set"))
+    grid, handles = run.grid, []
+    for level, surface, patch, label in (
+        (grid.B, ("#4fc04f", 0.10, 1, 26), (SAFE_FILL, SAFE_EDGE), "boundary of the safe set"),
+        (grid.unsafe, ("#e5534b", 0.75, 3, 60), (UNSAFE_FILL, UNSAFE_EDGE), "unsafe set"),
+        (grid.initial, ("#555555", 0.25, 4, 60), ("#bbbbbb", "#555555"), "initial set"),
+    ):
+        if has_zero(level):
+            draw_surface(ax, grid.axes, level, *surface)
+            handles.append(Patch(facecolor=patch[0], edgecolor=patch[1], label=label))
     for label, colour, positions in demonstration_groups(run):
         ax.add_collection3d(Line3DCollection(positions, colors=colour, linewidths=1.3, zorder=5))
-        handles.append(Line2D([], [], color=colour, linewidth=1.6, label=label))
+        handles.append(line(label, colour))
     for label, width, alpha, positions in rollout_groups(run):
-        ax.add_collection3d(
-            Line3DCollection(positions, colors=ROLLOUT, linewidths=width, alpha=alpha, zorder=6)
-        )
-        handles.append(Line2D([], [], color=ROLLOUT, linewidth=width, alpha=alpha, label=label))
+        style = {"linewidths": width, "alpha": alpha, "zorder": 6}
+        ax.add_collection3d(Line3DCollection(positions, colors=ROLLOUT, **style))
+        handles.append(line(label, ROLLOUT, width, alpha=alpha))
     ends = failed_ends(run)
     if len(ends):
         ax.plot(*ends.T, "x", color="black", zorder=8)
-        handles.append(
-            Line2D(
-                [],
-                [],
-                marker="x",
-                color="none",
-                markeredgecolor="black",
-                label="rollout stopped: unsafe or left",
-            )
-        )
+        handles.append(failed_handle())
     boxes = all_open_boxes(run)
     if len(boxes):
-        centres = 0.5 * (boxes[:, :3] + boxes[:, 3:])
-        ax.plot(*centres.T, "s", color=OPEN_BOX, markersize=3, zorder=7)
-        handles.append(
-            Line2D(
-                [],
-                [],
-                marker="s",
-                color="none",
-                markerfacecolor=OPEN_BOX,
-                markeredgecolor=OPEN_BOX,
-                markersize=4,
-                label="open boxes of the proof (centres)",
-            )
-        )
-    ax.plot([0], [0], [0], marker="*", color=GOAL, markeredgecolor="black", markersize=15, zorder=9)
+        ax.plot(*(0.5 * (boxes[:, :3] + boxes[:, 3:])).T, "s", color=OPEN_BOX, markersize=3, zorder=7)
+        handles.append(mark("open boxes of the proof (centres)", "s", OPEN_BOX, OPEN_BOX, 4))
+    ax.plot(
+        *run.data.goal[:, None], marker="*", color=GOAL, markeredgecolor="black", markersize=15, zorder=9
+    )
     handles.append(goal_handle())
     lower, upper = run.problem.workspace_lower, run.problem.workspace_upper
     ax.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), zlim=(lower[2], upper[2]))
     ax.set_box_aspect(upper - lower, zoom=0.92)  # room for the labels
-    ax.set_xlabel(axis_label(run, 0))
-    ax.set_ylabel(axis_label(run, 1))
-    ax.set_zlabel(axis_label(run, 2))
+    ax.set(xlabel=axis_label(run, 0), ylabel=axis_label(run, 1), zlabel=axis_label(run, 2))
     ax.view_init(elev=24, azim=-58)
     figure.suptitle(title_of(run), fontsize=11, y=0.93)
     legend_below(figure, handles)
@@ -443,7 +368,7 @@ def projections(run):
     handles = []
     for ax, (i, j) in zip(axes.flat, pairs):
         handles = draw_motions(ax, run, i, j) + draw_boxes(ax, all_open_boxes(run), i, j)
-        draw_goal(ax)
+        draw_goal(ax, run, i, j)
         frame(ax, run, i, j)
     for ax in axes.flat[len(pairs) :]:
         ax.axis("off")
@@ -459,9 +384,23 @@ def nearest(axis, value):
     return int(np.argmin(np.abs(axis - value)))
 
 
-def slices(run, grid):
+def plane(grid, fixed, index):
+    """The two other axes' numbers and the grid's fields where axis `fixed` has its value of number `index`."""
+    i, j = (k for k in range(3) if k != fixed)
+    names = ("unsafe", "initial", "V", "B", "velocity")
+    fields = {name: getattr(grid, name) for name in names}
+    cut = {name: None if f is None else np.take(f, index, axis=fixed) for name, f in fields.items()}
+    return i, j, Grid([grid.axes[i], grid.axes[j]], **cut)
+
+
+def fixed_text(run, fixed, index):
+    return f"$x_{fixed + 1}$ = {run.grid.axes[fixed][index]:.3g} {run.data.unit}".rstrip()
+
+
+def slices(run):
     """Planes through the goal and, where there is an obstacle, through its deepest point."""
-    centres = [("goal", np.zeros(3))]
+    grid = run.grid
+    centres = [("goal", run.data.goal)]
     if reaches(grid.unsafe):
         deepest = np.unravel_index(np.nanargmin(grid.unsafe), grid.unsafe.shape)
         centres.append(("obstacle", np.array([axis[k] for axis, k in zip(grid.axes, deepest)])))
@@ -472,8 +411,8 @@ def slices(run, grid):
     for row, (name, centre) in zip(axes, centres):
         for ax, fixed in zip(row, (2, 1, 0)):
             index = nearest(grid.axes[fixed], centre[fixed])
-            handles += draw_slice(ax, run, grid, fixed, index)
-            ax.set_title(f"through the {name}: $x_{fixed + 1}$ = {grid.axes[fixed][index]:.2f}", fontsize=10)
+            handles += draw_slice(ax, run, fixed, index)
+            ax.set_title(f"through the {name}: {fixed_text(run, fixed, index)}", fontsize=10)
     figure.suptitle(
         title_of(run) + "\n(demonstrations and rollouts are projected on the planes)", fontsize=11
     )
@@ -481,30 +420,22 @@ def slices(run, grid):
     return figure
 
 
-def draw_slice(ax, run, grid, fixed, index):
-    """The plane where axis `fixed` has its value of number `index`."""
-    i, j = (k for k in range(3) if k != fixed)
-    value = grid.axes[fixed][index]
-    cut = {
-        name: None if getattr(grid, name) is None else np.take(getattr(grid, name), index, axis=fixed)
-        for name in ("unsafe", "initial", "B")
-    }
-    x, y = grid.axes[i], grid.axes[j]
-    handles = draw_sets(ax, x, y, cut["unsafe"], cut["initial"], cut["B"])
-    velocity = np.take(grid.velocity, index, axis=fixed)
+def draw_slice(ax, run, fixed, index):
+    i, j, cut = plane(run.grid, fixed, index)
+    x, y = cut.axes
+    handles = draw_sets(ax, x, y, cut.unsafe, cut.initial, cut.B)
     step = max(1, len(x) // 14)
-    u, v = velocity[::step, ::step, i].T, velocity[::step, ::step, j].T
-    length = np.maximum(np.hypot(u, v), 1e-12)
+    u, v = cut.velocity[::step, ::step, i].T, cut.velocity[::step, ::step, j].T
     # the direction matters here, the speed does not: square roots keep slow arrows visible
-    ax.quiver(
-        x[::step], y[::step], u / np.sqrt(length), v / np.sqrt(length), color=FLOW, width=0.004, zorder=1
-    )
-    handles += [Line2D([], [], color=FLOW, linewidth=1.0, label="flow of f, in the plane")]
+    root = np.sqrt(np.maximum(np.hypot(u, v), 1e-12))
+    ax.quiver(x[::step], y[::step], u / root, v / root, color=FLOW, width=0.004, zorder=1)
+    handles += [line("flow of f, in the plane", FLOW, 1.0)]
     handles += draw_motions(ax, run, i, j, faint=True)
     boxes = all_open_boxes(run)
+    value = run.grid.axes[fixed][index]
     meets = (boxes[:, fixed] <= value) & (value <= boxes[:, 3 + fixed])
     handles += draw_boxes(ax, boxes[meets], i, j)
-    draw_goal(ax)
+    draw_goal(ax, run, i, j)
     frame(ax, run, i, j)
     return handles
 
@@ -514,11 +445,10 @@ def draw_slice(ax, run, grid, fixed, index):
 
 def draw_levels(ax, x, y, V, norm, levels):
     """V [len(x), len(y)] in colours and level sets; where V <= 0 the condition fails: grey."""
-    mesh = ax.pcolormesh(
-        x, y, np.fmax(V, norm.vmin).T, norm=norm, cmap="YlGnBu", shading="gouraud", rasterized=True, zorder=0
-    )
+    style = {"cmap": "YlGnBu", "shading": "gouraud", "rasterized": True, "zorder": 0}
+    mesh = ax.pcolormesh(x, y, np.fmax(V, norm.vmin).T, norm=norm, **style)
     ax.contour(x, y, V.T, levels=levels, colors="#30506a", linewidths=0.7, zorder=1)
-    handles = [Line2D([], [], color="#30506a", linewidth=0.9, label="level sets of V")]
+    handles = [line("level sets of V", "#30506a", 0.9)]
     if (V < 0.0).any():
         ax.contourf(x, y, V.T, levels=[-np.inf, 0.0], colors=["#8a8a8a"], zorder=0)
         handles.append(Patch(facecolor="#8a8a8a", label="V ≤ 0"))
@@ -537,143 +467,132 @@ def log_levels(V, count=12):
     return LogNorm(low, high, clip=True), np.geomspace(low, high, count + 1)[:-1]
 
 
-def lyapunov_in_planes(run, grid, planes, figsize):
-    """One panel per plane: (fixed axis or None, V [., .], unsafe, B, i, j)."""
-    norm, levels = log_levels(np.concatenate([plane[1].ravel() for plane in planes]))
+def lyapunov_in_planes(run, planes, figsize):
+    """One panel per plane: (i, j, Grid, title)."""
+    norm, levels = log_levels(np.concatenate([cut.V.ravel() for _, _, cut, _ in planes]))
     if norm is None:
-        return lyapunov_along_rollouts(run)
+        return lyapunov_along_motions(run)
     figure, axes = plt.subplots(1, len(planes), figsize=figsize, squeeze=False, constrained_layout=True)
     handles = []
-    for ax, (fixed, V, unsafe, barrier, i, j) in zip(axes.flat, planes):
-        x, y = grid.axes[i], grid.axes[j]
-        fade = 1.0 if fixed is None else 0.6  # projected, not cut
-        mesh, more = draw_levels(ax, x, y, V, norm, levels)
+    for ax, (i, j, cut, title) in zip(axes.flat, planes):
+        mesh, more = draw_levels(ax, *cut.axes, cut.V, norm, levels)
         handles += more
-        if has_zero(barrier):
-            ax.contour(x, y, barrier.T, levels=[0.0], colors=[SAFE_EDGE], linewidths=1.8, zorder=4)
-            handles.append(Line2D([], [], color=SAFE_EDGE, linewidth=1.8, label="boundary of the safe set"))
-        handles += draw_sets(ax, x, y, unsafe)
-        handles += draw_rollouts(ax, run, i, j, fade)
-        draw_goal(ax)
+        if has_zero(cut.B):
+            ax.contour(*cut.axes, cut.B.T, levels=[0.0], colors=[SAFE_EDGE], linewidths=1.8, zorder=4)
+            handles.append(line("boundary of the safe set", SAFE_EDGE, 1.8))
+        handles += draw_sets(ax, *cut.axes, cut.unsafe)
+        handles += draw_rollouts(ax, run, i, j, 0.6 if title else 1.0)  # fainter where projected, not cut
+        draw_goal(ax, run, i, j)
         frame(ax, run, i, j)
-        if fixed is not None:
-            ax.set_title(
-                f"$x_{fixed + 1}$ = {grid.axes[fixed][nearest(grid.axes[fixed], 0.0)]:.2f}", fontsize=10
-            )
-    figure.suptitle(f"{run.name or 'run'}: Lyapunov function", fontsize=11)
+        ax.set_title(title, fontsize=10)
+    figure.suptitle(f"{name_of(run)}: Lyapunov function", fontsize=11)
     figure.colorbar(mesh, ax=axes, label="V", shrink=0.85, pad=0.02, extend="min")
     legend_below(figure, handles + [goal_handle()], columns=4 if len(planes) > 1 else 3)
     return figure
 
 
-def lyapunov_along_rollouts(run):
+def lyapunov_along_motions(run):
     figure, ax = plt.subplots(figsize=(6.4, 4.2), constrained_layout=True)
     handles = []
-    motions = [(ROLLOUT, 1.0, "rollouts", rollout.time, rollout.position) for rollout in run.rollouts]
-    scale = run.data.velocity_scale / run.data.position_scale
-    motions += [
-        (TRAIN, 0.6, "demonstrations", demonstration.time * scale, demonstration.position)
-        for demonstration in run.data.demonstrations
-    ]
-    for colour, width, label, time, position in motions:
-        ax.plot(time, run.V(position), color=colour, linewidth=width)
-        handles.append(Line2D([], [], color=colour, linewidth=width + 0.6, label=label))
+    motions = [(ROLLOUT, 1.0, "rollouts", rollout) for rollout in run.rollouts]
+    motions += [(TRAIN, 0.6, "demonstrations", demonstration) for demonstration in run.data.demonstrations]
+    for colour, width, label, motion in motions:
+        value = run.V(run.data.to_normalized(motion.position))
+        ax.plot(motion.time - motion.time[0], value, color=colour, linewidth=width)
+        handles.append(line(label, colour, width + 0.6))
     ax.set_yscale("log")
     low, high = ax.get_ylim()
     ax.set_ylim(max(low, 1e-7 * high), high)  # V = 0 at the goal would stretch the axis without end
-    ax.set_xlabel("time (normalised)")
+    ax.set_xlabel("time [s]")
     ax.set_ylabel("V")
     ax.grid(alpha=0.3)
-    ax.set_title(f"{run.name or 'run'}: Lyapunov function along the motions")
+    ax.set_title(f"{name_of(run)}: Lyapunov function along the motions")
     if handles:
         legend_below(figure, handles)
     return figure
 
 
-def lyapunov(run, grid):
-    if grid is None:
-        return lyapunov_along_rollouts(run)
+def lyapunov(run):
+    if run.dimension > 3:
+        return lyapunov_along_motions(run)
     if run.dimension == 2:
-        return lyapunov_in_planes(run, grid, [(None, grid.V, grid.unsafe, grid.B, 0, 1)], (6.8, 5.8))
+        return lyapunov_in_planes(run, [(0, 1, run.grid, "")], (6.8, 5.8))
     planes = []
     for fixed in (2, 1, 0):
-        i, j = (k for k in range(3) if k != fixed)
-        index = nearest(grid.axes[fixed], 0.0)
-        cuts = [
-            None if level is None else np.take(level, index, axis=fixed)
-            for level in (grid.V, grid.unsafe, grid.B)
-        ]
-        planes.append((fixed, *cuts, i, j))
-    return lyapunov_in_planes(run, grid, planes, (11.5, 4.2))
+        index = nearest(run.grid.axes[fixed], run.data.goal[fixed])
+        planes.append((*plane(run.grid, fixed, index), fixed_text(run, fixed, index)))
+    return lyapunov_in_planes(run, planes, (11.5, 4.2))
 
 
 # ---------------------------------------------------------------- history
 
-
-def history_panels(history):
-    """[(title, columns, scale)] of numeric columns, by what their names say."""
-    numeric = {
-        name: np.asarray(column, dtype=float)
-        for name, column in history.items()
-        if np.asarray(column).dtype.kind in "bfiu" and np.isfinite(np.asarray(column, dtype=float)).any()
-    }
-    numeric.pop("round", None)
-    kinds = {"losses": {}, "counterexamples": {}, "seconds": {}, "other figures": {}}
-    for name, column in numeric.items():
-        if name.startswith("count") or "violation" in name or "counterexample" in name:
-            kinds["counterexamples"][name.removeprefix("count_").replace("_", " ")] = column
-        elif "second" in name:
-            kinds["seconds"][name.removeprefix("seconds_").replace("_", " ")] = column
-        elif any(word in name for word in ("loss", "mse", "term")):
-            kinds["losses"][name.replace("_", " ")] = column
-        else:
-            kinds["other figures"][name.replace("_", " ")] = column
-    return [(title, columns) for title, columns in kinds.items() if columns]
+# What the numbers of the column `stage` stand for, and how their rounds are shaded.
+STAGES = (("search", None), ("imitation fine-tuning", "#dfe8fb"), ("enlarging", "#fbf0d9"))
+TERMS = ("loss", "imitation", "lyapunov", "barrier_sets", "barrier_decrease", "rollout_safety", "obstacle_normal")
 
 
-def draw_columns(ax, rounds, title, columns):
+def history_panels(columns):
+    """[(question, columns, scale)]; a column that is zero throughout, or never a number, answers none."""
+    columns = {name: np.asarray(column, dtype=float) for name, column in columns.items()}
+    told = {name: column for name, column in columns.items() if np.isfinite(column).any() and np.nan_to_num(column).any()}
+    losses = {("their sum" if name == "loss" else name): told[name] for name in TERMS if name in told}
+    found = {name.removeprefix("count_"): told[name] for name in told if name.startswith("count_")}
+    safe = {"rollouts that stay safe": told["safe_share"]} if "safe_share" in told else {}
+    panels = (
+        ("How large is each term of the loss, with its weight?", losses, "log"),
+        ("How many counterexamples were found, and to which condition?", found, "symlog"),
+        ("Which share of the workspace is safe?", safe, "linear"),
+    )
+    return [panel for panel in panels if panel[1]]
+
+
+def shade_stages(ax, rounds, stages):
+    """Colours the rounds of every stage but the search; returns legend handles."""
+    handles = {}
+    for first, stage in zip(rounds, stages):
+        name, colour = STAGES[int(stage)] if 0 <= stage < len(STAGES) else ("another stage", "#eeeeee")
+        if colour:
+            ax.axvspan(first - 0.5, first + 0.5, facecolor=colour, linewidth=0, zorder=0)
+            handles[name] = Patch(facecolor=colour, label=name)
+    return list(handles.values())
+
+
+def draw_columns(ax, rounds, question, columns, scale):
     colours = plt.get_cmap("tab10").colors
     for k, (name, column) in enumerate(columns.items()):
-        ax.plot(
-            rounds,
-            column,
-            marker="o",
-            markersize=3.5,
-            linewidth=1.3,
-            color=colours[k % 10],
-            linestyle=("-", "--", ":")[k // 10 % 3],
-            label=name,
-        )
-    finite = np.concatenate([column[np.isfinite(column)] for column in columns.values()])
-    if title == "losses" and (finite > 0.0).all():
+        colour, width = ("#222222", 2.0) if name == "their sum" else (colours[k % 10], 1.3)
+        shown = np.where(column > 0.0, column, np.nan) if scale == "log" else column
+        label = name.replace("_", " ")
+        ax.plot(rounds, shown, marker="o", markersize=3.5, linewidth=width, color=colour, label=label)
+    if scale == "log":
         ax.set_yscale("log")
         ax.yaxis.set_minor_formatter(LogFormatterSciNotation(labelOnlyBase=False, minor_thresholds=(2, 0.5)))
-    elif title in ("counterexamples", "other figures") and finite.max() > 100.0:
+    elif scale == "symlog":
         ax.set_yscale("symlog", linthresh=1.0)  # zero is the aim, so it must be on the axis
-    if title in ("counterexamples", "seconds") and finite.min() >= 0.0:
-        ax.set_ylim(bottom=0.0)
-    if title == "counterexamples" and ax.get_yscale() == "linear":
-        ax.yaxis.set_major_locator(MaxNLocator(integer=True))
-    ax.set_title(title, fontsize=10)
-    ax.set_xlabel("round")
+        ax.set_ylim(bottom=-0.15)
+    ax.set_title(question, fontsize=10)
+    ax.set_xlim(rounds[0] - 0.5, rounds[-1] + 0.5)
     ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-    if len(rounds) == 1:
-        ax.set_xlim(rounds[0] - 1, rounds[0] + 1)
     ax.grid(alpha=0.3)
-    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0)
 
 
 def history(run):
     panels = history_panels(run.history)
     if not panels:
         return None
+    count = len(next(iter(run.history.values())))
+    rounds = np.asarray(run.history.get("round", np.arange(count)))
+    stages = np.asarray(run.history.get("stage", np.zeros(count)))
     figure, axes = plt.subplots(
         len(panels), 1, figsize=(7.2, 2.5 * len(panels) + 0.4), squeeze=False, constrained_layout=True
     )
-    for ax, (title, columns) in zip(axes.flat, panels):
-        count = len(next(iter(columns.values())))
-        draw_columns(ax, np.asarray(run.history.get("round", np.arange(1, count + 1))), title, columns)
-    figure.suptitle(f"{run.name or 'run'}: training history", fontsize=11)
+    for ax, panel in zip(axes.flat, panels):
+        draw_columns(ax, rounds, *panel)
+        shades = shade_stages(ax, rounds, stages)
+        handles = ax.get_legend_handles_labels()[0] + (shades if ax is axes[0][0] else [])
+        ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, borderaxespad=0.0)
+    axes[-1][0].set_xlabel("round (0: warm start)")
+    figure.suptitle(f"{name_of(run)}: training history", fontsize=11)
     return figure
 
 
@@ -682,15 +601,15 @@ def history(run):
 
 def make_figures(run):
     """name -> figure; what the run has no data for is left out."""
-    grid = grid_of(run)
+    run = with_grid(run)
     if run.dimension == 2:
-        yield "phase_portrait", phase_portrait_2d(run, grid)
+        yield "phase_portrait", phase_portrait_2d(run)
     elif run.dimension == 3:
-        yield "phase_portrait", phase_portrait_3d(run, grid)
-        yield "slices", slices(run, grid)
+        yield "phase_portrait", phase_portrait_3d(run)
+        yield "slices", slices(run)
     else:
         yield "phase_portrait", projections(run)
-    yield "lyapunov", lyapunov(run, grid)
+    yield "lyapunov", lyapunov(run)
     figure = history(run)
     if figure is not None:
         yield "history", figure

@@ -1,4 +1,4 @@
-"""Reads the run files of s2nnds (HDF5, schema 1) with numpy and h5py alone.
+"""Reads the run files of s2nnds (HDF5, schema 2) with numpy and h5py alone.
 
     from s2nnds_run import Run
     run = Run("sine.h5")
@@ -7,17 +7,22 @@
     run.V.gradient(x), run.f.jacobian(x)  # [N, n], [N, m, n]
     run.f.torch()                         # the same as a torch.nn.Module
     run.history["mse"]                    # [rounds]
+    run.data.demonstrations               # as read: in the data's unit and frame, time in s
+    run.data.normalized                   # the same, normalised: what training saw
+    run.data.to_data(x)                   # normalised positions in the data's unit and frame
+    run.in_data_unit()                    # the run with all its positions like that, for figures
 
-Positions, velocities and times are normalised: position / position_scale, velocity / velocity_scale,
-seconds * velocity_scale / position_scale. The goal is the origin. Only a demonstration's time is in s.
+Networks, sets, rollouts and the grid are in normalised units, with the goal at the origin: (position - goal) /
+position_scale, velocity / velocity_scale, (time - first time) * velocity_scale / position_scale.
 """
 
-from dataclasses import dataclass, field
+import copy
+from dataclasses import dataclass, field, replace
 
 import h5py
 import numpy as np
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 
 
 class RunError(Exception):
@@ -156,9 +161,9 @@ class Network:
 
 @dataclass
 class Demonstration:
-    time: np.ndarray  # [M] s
-    position: np.ndarray  # [M, n] normalised
-    velocity: np.ndarray  # [M, n] normalised
+    time: np.ndarray  # [M]
+    position: np.ndarray  # [M, n]
+    velocity: np.ndarray  # [M, n]
 
 
 @dataclass
@@ -193,14 +198,47 @@ class Grid:
 
 @dataclass
 class Data:
+    """Demonstrations as read, and how they become normalised."""
+
+    unit: str  # of length: "mm"; "" when unknown
+    dimension: int
+    normalization: str  # max_abs, max_norm
     position_scale: float  # in `unit`
     velocity_scale: float  # in `unit` per second
-    normalization: str
-    unit: str
-    dimension: int
+    goals: np.ndarray  # [K, n] in `unit`: the place of each demonstration's goal
     train: list  # indices into demonstrations
     test: list
     demonstrations: list = field(default_factory=list)
+
+    @property
+    def time_scale(self):
+        """Seconds per unit of normalised time."""
+        return self.position_scale / self.velocity_scale
+
+    @property
+    def goal(self):
+        """[n] where the common goal lies in the data's frame: the middle of the demonstrations' goals."""
+        return self.goals[0] + (self.goals - self.goals[0]).mean(axis=0)
+
+    @property
+    def normalized(self):
+        """Bit for bit what training saw."""
+        return [
+            Demonstration(
+                (d.time - d.time[0]) / self.time_scale,
+                (d.position - goal) / self.position_scale,
+                d.velocity / self.velocity_scale,
+            )
+            for d, goal in zip(self.demonstrations, self.goals)
+        ]
+
+    def to_data(self, position):
+        """Normalised positions [..., n] in the data's unit and frame."""
+        return self.goal + self.position_scale * np.asarray(position, dtype=float)
+
+    def to_normalized(self, position):
+        """The way back."""
+        return (np.asarray(position, dtype=float) - self.goal) / self.position_scale
 
 
 def _plain(value):
@@ -295,6 +333,40 @@ class Run:
     def guarantee(self):
         return self.certificate["guarantee"]
 
+    def in_data_unit(self):
+        """A copy with workspace, demonstrations, rollouts, grid and open boxes in the data's unit and frame, times in s.
+
+        Demonstrations that end in different places are moved to end in the common goal, as training sees them. The
+        networks stay functions of normalised positions.
+        """
+        shown, data, n = copy.copy(self), self.data, self.dimension
+        at = data.to_data
+        shown.data = replace(
+            data,
+            goals=np.tile(data.goal, (len(data.goals), 1)),
+            demonstrations=[
+                Demonstration(d.time, d.position + (data.goal - goal), d.velocity)
+                for d, goal in zip(data.demonstrations, data.goals)
+            ],
+        )
+        shown.problem = replace(
+            self.problem,
+            workspace_lower=at(self.problem.workspace_lower),
+            workspace_upper=at(self.problem.workspace_upper),
+        )
+        shown.rollouts = [
+            replace(rollout, time=data.time_scale * rollout.time, position=at(rollout.position))
+            for rollout in self.rollouts
+        ]
+        shown.open_boxes = {
+            name: np.hstack([at(boxes[:, :n]), at(boxes[:, n:])]) for name, boxes in self.open_boxes.items()
+        }
+        if self.grid is not None:
+            velocity = None if self.grid.velocity is None else data.velocity_scale * self.grid.velocity
+            axes = [goal + data.position_scale * axis for goal, axis in zip(data.goal, self.grid.axes)]
+            shown.grid = replace(self.grid, axes=axes, velocity=velocity)
+        return shown
+
     def _read(self, file):
         self.attributes = _attributes(file)
         version = self.attributes.get("schema_version")
@@ -346,11 +418,12 @@ class Run:
             for key in ("train", "test")
         }
         self.data = Data(
-            float(values["position_scale"]),
-            float(values["velocity_scale"]),
-            values.get("normalization", ""),
             values.get("unit", ""),
             n,
+            values.get("normalization", ""),
+            float(values["position_scale"]),
+            float(values["velocity_scale"]),
+            _array(group, "goals", (None, n)),
             **indices,
         )
         for item in _numbered(group.get("demonstrations", {})):
@@ -361,6 +434,9 @@ class Run:
                 )
             )
         count = len(self.data.demonstrations)
+        _require(
+            len(self.data.goals) == count, f"/data/goals: found {len(self.data.goals)} rows, expected {count}"
+        )
         for key in ("train", "test"):
             wrong = [k for k in indices[key] if not 0 <= k < count]
             _require(

@@ -20,6 +20,7 @@ import numpy as np
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import plot_run
+import readme_picture
 from isosurface import isosurface
 from s2nnds_run import ACTIVATIONS, Network, Run, RunError
 
@@ -50,7 +51,7 @@ def write_network(group, network, bias=True):
 
 
 def demonstration(n, k):
-    """A curved motion that ends at the goal: positions and normalised velocities at 60 times in seconds."""
+    """A curved motion that ends at the goal: normalised positions and velocities at 60 times in seconds."""
     time = np.linspace(0.0, 3.0, 60)
     s = time / 3.0
     progress = 10 * s**3 - 15 * s**4 + 6 * s**5
@@ -77,7 +78,7 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
     centre = np.array([-0.35, -0.45, 0.25, 0.0, 0.0, 0.0, 0.0])[:n]
     with h5py.File(path, "w") as file:
         file.attrs.update(
-            schema_version=1,
+            schema_version=2,
             program_version="0.1.0",
             library_versions="none",
             seed=3,
@@ -92,16 +93,22 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
             position_scale=46.25, velocity_scale=120.0, normalization="max_abs", unit="mm", dimension=n
         )
         data["train"], data["test"] = [0, 1, 2, 3, 4], [5, 6]
+        goals = data["goals"] = np.arange(100.0, 100.0 + 7 * n).reshape(7, n)
         for k in range(7):
             group = data.create_group(f"demonstrations/{k}")
-            group["time"], group["position"], group["velocity"] = demonstration(n, k)
+            time, position, velocity = demonstration(n, k)
+            group["time"], group["position"] = time + 5.0, goals[k] + 46.25 * position
+            group["velocity"] = 120.0 * velocity
         problem = file.create_group("problem")
         problem.attrs.update(unsafe="ball", initial="box", containment=0.97, level_band=0.02)
         problem["workspace_lower"], problem["workspace_upper"] = np.full(n, -1.25), np.full(n, 1.25)
         history = file.create_group("history")
         history["round"] = np.arange(1, rounds + 1)
         history["loss"] = 0.4 * 0.7 ** np.arange(rounds)
-        history["mse"] = 0.05 * 0.9 ** np.arange(rounds) + 0.01
+        history["mse"] = history["imitation"] = 0.05 * 0.9 ** np.arange(rounds) + 0.01
+        history["lyapunov"] = np.zeros(rounds)
+        history["safe_share"] = np.linspace(0.5, 0.9, rounds)
+        history["stage"] = np.arange(rounds) * 3 // rounds
         counts = np.maximum(0, (9000 * 0.25 ** np.arange(rounds)).astype(int) - 1)
         for k, name in enumerate(
             ("lyapunov_positive", "lyapunov_decrease", "initial", "unsafe", "containment", "barrier_decrease")
@@ -287,7 +294,12 @@ class ReaderTest(TemporaryFolder):
         self.assertIn("seed = 3", run.config_resolved)
         self.assertEqual((run.data.unit, run.data.position_scale, run.data.test), ("mm", 46.25, [5, 6]))
         self.assertEqual(len(run.data.demonstrations), 7)
-        np.testing.assert_allclose(run.data.demonstrations[4].position, demonstration(2, 4)[1])
+        time, position, velocity = demonstration(2, 4)
+        as_read, normalized = run.data.demonstrations[4], run.data.normalized[4]
+        np.testing.assert_allclose(as_read.position, run.data.goals[4] + 46.25 * position)
+        np.testing.assert_allclose(normalized.position, position, atol=1e-14)
+        np.testing.assert_allclose(normalized.velocity, velocity)
+        np.testing.assert_allclose(normalized.time, time * 120.0 / 46.25, atol=1e-14)
         self.assertEqual((run.problem.containment, run.problem.level_band), (0.97, 0.02))
         self.assertEqual(run.history["mse"].shape, (9,))
         self.assertEqual(run.certificate["conditions"][0]["condition"], "lyapunov_decrease")
@@ -304,6 +316,25 @@ class ReaderTest(TemporaryFolder):
         at = [run.grid.axes[0][i], run.grid.axes[1][j]]
         self.assertAlmostEqual(run.grid.V[i, j], run.V(at), places=12)
         np.testing.assert_allclose(run.grid.velocity[i, j], run.f(at), atol=1e-12)
+
+    def test_in_the_datas_unit_everything_shares_one_frame(self):
+        synthetic_run(self.path("run.h5"), open_boxes=5)
+        run = Run(self.path("run.h5"))
+        shown, goal = run.in_data_unit(), run.data.goal
+        np.testing.assert_allclose(goal, run.data.goals.mean(axis=0))
+        np.testing.assert_allclose(run.data.to_normalized(run.data.to_data([0.5, -1.0])), [0.5, -1.0])
+        np.testing.assert_allclose(shown.problem.workspace_upper, goal + 1.25 * 46.25)
+        np.testing.assert_allclose(shown.rollouts[2].position, goal + 46.25 * run.rollouts[2].position)
+        np.testing.assert_allclose(shown.rollouts[2].time, run.rollouts[2].time * 46.25 / 120.0)
+        np.testing.assert_allclose(shown.grid.axes[1], goal[1] + 46.25 * run.grid.axes[1])
+        np.testing.assert_allclose(shown.grid.velocity, 120.0 * run.grid.velocity)
+        boxes = shown.open_boxes["lyapunov_decrease"]
+        np.testing.assert_allclose(boxes, np.tile(goal, 2) + 46.25 * run.open_boxes["lyapunov_decrease"])
+        for moved, normalized in zip(shown.data.demonstrations, run.data.normalized):
+            np.testing.assert_allclose(moved.position, goal + 46.25 * normalized.position)
+        for again, normalized in zip(shown.data.normalized, run.data.normalized):
+            np.testing.assert_allclose(again.position, normalized.position, atol=1e-12)
+        np.testing.assert_array_equal(run.problem.workspace_upper, [1.25, 1.25])  # the run itself stays
 
     def test_a_missing_bias_is_zero(self):
         synthetic_run(self.path("run.h5"))
@@ -341,7 +372,7 @@ class ReaderTest(TemporaryFolder):
 
             return change
 
-        self.bad("schema_version: found 9, expected 1", lambda file: file.attrs.modify("schema_version", 9))
+        self.bad("schema_version: found 9, expected 2", lambda file: file.attrs.modify("schema_version", 9))
         self.bad("/networks: missing", lambda file: file.__delitem__("networks"))
         self.bad("weight_1", replace("networks/V/weight_1", np.zeros((5, 9))))
         self.bad("bias_0.*expected", replace("networks/B/bias_0", np.zeros(3)))
@@ -358,6 +389,7 @@ class ReaderTest(TemporaryFolder):
         )
         self.bad("position.*expected", replace("data/demonstrations/2/position", np.zeros((60, 3))))
         self.bad("/data/test: found index 70", replace("data/test", [1, 70]))
+        self.bad("/data/goals: found 3 rows, expected 7", replace("data/goals", np.zeros((3, 2))))
         self.bad("grid/B", replace("grid/B", np.zeros((3, 3))))
 
     def test_no_file_and_no_hdf5_file(self):
@@ -419,6 +451,16 @@ class PlotTest(TemporaryFolder):
     def test_3d(self):
         self.plot(["phase_portrait", "slices", "lyapunov", "history"], n=3, open_boxes=10, count=21)
 
+    def test_the_history_leaves_out_what_is_zero_and_asks_one_question_a_panel(self):
+        synthetic_run(self.path("run.h5"))
+        panels = plot_run.history_panels(Run(self.path("run.h5")).history)
+        self.assertEqual([list(columns) for _, columns, _ in panels], [
+            ["their sum", "imitation"],
+            ["barrier_decrease", "containment", "initial", "lyapunov_decrease", "unsafe"],
+            ["rollouts that stay safe"],
+        ])  # fmt: skip
+        self.assertEqual(plot_run.history_panels({"round": np.arange(3), "seconds": np.ones(3)}), [])
+
     def test_one_round_without_grid(self):
         self.plot(["phase_portrait", "lyapunov", "history"], grid=False, rounds=1)
         shutil.rmtree(self.path("figures"))
@@ -443,6 +485,14 @@ class PlotTest(TemporaryFolder):
             file["grid/unsafe"][...] = np.nan
             file["history/loss"][...] = np.nan
         self.figures(["phase_portrait", "lyapunov", "history"])
+
+    def test_the_readmes_picture_is_of_an_invariant_run_only(self):
+        picture = self.path("picture.png")
+        for guarantee, code in (("sampled", 2), ("invariant", 0)):
+            synthetic_run(self.path("run.h5"), guarantee=guarantee)
+            with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+                self.assertEqual(readme_picture.main(["--run", self.path("run.h5"), "--out", picture]), code)
+            self.assertEqual(os.path.exists(picture), code == 0)
 
     def fails(self, run, out):
         errors = io.StringIO()
