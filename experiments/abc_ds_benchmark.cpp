@@ -16,7 +16,7 @@
 // and {B <= 0} reaches the boundary of [-1, 1]^2, on which alone the rest holds.
 //
 // Usage: abc_ds_benchmark --data DIR [--out FOLDER] [--quick]
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 

@@ -18,7 +18,7 @@
 // and every run `invariant`.
 //
 // Usage: lasa_table --data DIR [--out FOLDER] [--quick]
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

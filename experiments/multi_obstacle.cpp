@@ -6,7 +6,7 @@
 // Expected: every seed of both motions `invariant`.
 //
 // Usage: multi_obstacle --data DIR [--out FOLDER] [--quick]
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <filesystem>

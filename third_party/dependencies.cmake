@@ -1,10 +1,15 @@
 # Every dependency of the library, where it is found, and the least version. Debian 12 packages all of them:
 # third_party/install.sh installs them.
+# LibTorch is the distribution's or pip's (CMAKE_PREFIX_PATH=$(python3 -c "import torch; print(torch.utils.cmake_prefix_path)")).
+# pip's searches for a CUDA toolkit unless this target is there; only its part for the processor is linked.
+if(NOT TARGET torch::cudart)
+  add_library(torch::cudart INTERFACE IMPORTED)
+endif()
 find_package(Threads REQUIRED)
 find_package(TBB 2021 REQUIRED)                               # loops shared among threads
 find_package(Torch 1.13 REQUIRED)                             # networks, autograd, TorchScript
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)                   # plain matrices
-find_package(Boost 1.74 REQUIRED)                             # Math (incomplete beta), Odeint, Random (Sobol), Multiprecision (tests)
+find_package(Boost 1.74 REQUIRED CONFIG)                      # Math (incomplete beta), Odeint, Random (Sobol), Multiprecision (tests)
 find_package(HDF5 1.10 REQUIRED COMPONENTS C)                 # run files
 find_package(fmt 9 REQUIRED)                                  # all messages
 find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)            # SHA-256 of the certified weights
@@ -33,4 +38,15 @@ if(NOT TARGET s2nnds_onnx)
 endif()
 if(S2NNDS_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 QUIET)                           # tests/benchmarks/; without it they are left out
+endif()
+if(NOT TARGET s2nnds_libtorch)
+  add_library(s2nnds_libtorch INTERFACE IMPORTED)
+  target_link_libraries(s2nnds_libtorch INTERFACE torch_cpu_library c10)
+  # pip's torch brings the headers of a newer fmt than the library that is linked: those of the latter go first.
+  get_target_property(fmt_include fmt::fmt INTERFACE_INCLUDE_DIRECTORIES)
+  file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/before_torch)
+  file(CREATE_LINK ${fmt_include}/fmt ${CMAKE_BINARY_DIR}/before_torch/fmt SYMBOLIC)
+  target_include_directories(s2nnds_libtorch SYSTEM INTERFACE ${CMAKE_BINARY_DIR}/before_torch ${TORCH_INCLUDE_DIRS})
+  separate_arguments(torch_cxx_flags UNIX_COMMAND "${TORCH_CXX_FLAGS}")  # of releases with the old C++ ABI
+  target_compile_options(s2nnds_libtorch INTERFACE ${torch_cxx_flags})
 endif()

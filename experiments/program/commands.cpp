@@ -1,6 +1,6 @@
 #include "commands.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <filesystem>

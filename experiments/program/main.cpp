@@ -1,6 +1,6 @@
 // s2nnds: learns a motion from demonstrations and certifies it. See README.md for the commands.
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 

@@ -1,6 +1,6 @@
 #include "sweep_progress.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "sweep_trial.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <chrono>
 #include <filesystem>

@@ -15,7 +15,9 @@ namespace {
 // that a damaged file looks like a sound one with wrong numbers: every complaint counts as an error.
 thread_local std::string complaint;
 
-void keep_complaint(int /*level*/, char* message) {
+// matio 1.5.28 made `message` const: a template serves both.
+template <typename Text>
+void keep_complaint(int /*level*/, Text* message) {
   if (complaint.empty()) complaint = message != nullptr ? message : "no memory";
 }
 
@@ -88,7 +90,7 @@ class MatlabFile {
 
   std::string listing() {
     std::size_t count = 0;
-    char** const names = Mat_GetDir(file_.get(), &count);
+    const auto names = Mat_GetDir(file_.get(), &count);
     if (names == nullptr || count == 0) return "no variables (an empty or truncated file, or no MATLAB file)";
     std::string list = "the variable(s)";
     for (std::size_t i = 0; i < count; ++i) list += fmt::format("{} '{}'", i == 0 ? "" : ",", names[i]);

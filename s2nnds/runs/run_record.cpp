@@ -1,7 +1,7 @@
 #include "s2nnds/runs/run_record.h"
 
 #include <fmt/chrono.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>

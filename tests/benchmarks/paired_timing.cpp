@@ -1,6 +1,6 @@
 // Our side of compare.sh: the work of the peer's script, timed as it times it. Prints one JSON object; times
 // are medians in seconds. Usage: paired_timing [--threads N] [--steps N] [--repeats N]
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
