@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Puts the tables of the results files into the README, or checks that they are there.
+"""Puts the tables of the results files into Markdown pages, or checks that they are there.
 
-    experiments/readme_tables.py            writes README.md
-    experiments/readme_tables.py --check    exit code 1, naming the table, when the README says something else
+    experiments/readme_tables.py [PAGE.md...]            writes the pages
+    experiments/readme_tables.py --check [PAGE.md...]    exit code 1, naming page and table, when a page says something else
 
-A table stands between `<!-- NAME TABLE -->` and `<!-- end -->`: NAME is a file of experiments/results, TABLE one of its tables.
+Without pages: README.md and experiments/README.md, where they exist. A table stands between `<!-- NAME TABLE -->` and
+`<!-- end -->`: NAME is a file of experiments/results, TABLE one of its tables.
 """
 
 import argparse
@@ -14,35 +15,35 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+PAGES = [os.path.join(ROOT, name) for name in ("README.md", "experiments/README.md")]
 MARKED = re.compile(r"(<!-- (\w+) (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
-
-
-def markdown(table):
-    lines = [table["head"], ["---"] * len(table["head"]), *table["rows"]]
-    return "".join("| " + " | ".join(line) + " |\n" for line in lines).replace("| --- |", "|---|").replace(" --- |", "---|")
 
 
 def table_of(name, table):
     with open(os.path.join(ROOT, "experiments/results", name + ".json"), encoding="utf-8") as file:
-        return markdown(json.load(file)["tables"][table])
+        table = json.load(file)["tables"][table]
+    lines = [" | ".join(row) for row in (table["head"], *table["rows"])]
+    rule = "|" + "---|" * len(table["head"])
+    return "\n".join([f"| {lines[0]} |", rule, *(f"| {line} |" for line in lines[1:])]) + "\n"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("pages", nargs="*", default=list(filter(os.path.exists, PAGES)))
     options = parser.parse_args()
-    path = os.path.join(ROOT, "README.md")
-    with open(path, encoding="utf-8") as file:
-        text = file.read()
-    different = [f"{m[2]} {m[3]}" for m in MARKED.finditer(text) if m[4] != table_of(m[2], m[3])]
-    if options.check:
-        for name in different:
-            print(f"README.md: the table {name} is not that of experiments/results", file=sys.stderr)
-        return 1 if different else 0
-    with open(path, "w", encoding="utf-8") as file:
-        file.write(MARKED.sub(lambda m: m[1] + table_of(m[2], m[3]) + m[5], text))
-    print(f"README.md: {len(different)} tables changed")
-    return 0
+    different = []
+    for page in options.pages:
+        with open(page, encoding="utf-8") as file:
+            text = file.read()
+        changed = [f"{m[2]} {m[3]}" for m in MARKED.finditer(text) if m[4] != table_of(m[2], m[3])]
+        different += [f"{page}: the table {name}" for name in changed]
+        if changed and not options.check:
+            with open(page, "w", encoding="utf-8") as file:
+                file.write(MARKED.sub(lambda m: m[1] + table_of(m[2], m[3]) + m[5], text))
+    for name in different:
+        print(f"{name} {'is not that of experiments/results' if options.check else 'changed'}", file=sys.stderr)
+    return 1 if options.check and different else 0
 
 
 if __name__ == "__main__":
