@@ -8,7 +8,7 @@ standard errors (only where the trials tell the axes apart).
 axes: the objective against every axis, a dot a trial, the median a line; with several problems as a factor of each one's
 own median, which would hide the axis otherwise. problems: the objective of each problem. pareto: training time against
 error, and error against the share of the truly safe area that is kept, with what no other trial beats in both. Prints
-the paths it wrote; exit code 2 and one line on stderr when the table or the folder cannot be used.
+the effects and the paths it wrote; exit code 2 and one line on stderr when the table or the folder cannot be used.
 """
 
 import argparse
@@ -241,6 +241,19 @@ def draw_effects(sweep):
     return figure
 
 
+def effect_lines(sweep):
+    """The effects as a table, one line a step."""
+    if not sweep.effects:
+        return
+    rows = [f"{axis}, {start} -> {end}" for axis, start, end in sweep.effect_rows]
+    width = max(map(len, rows))
+    yield "effects, each with the other axes as they are, ± standard error"
+    yield " " * width + "".join(f"{f'{name} ({effect.trials})':>26}" for name, effect in sweep.effects.items())
+    for k, row in enumerate(rows):
+        cells = [f"{'x' if e.kind == 'factor' else ''}{e.change[k]:.3f} ±{e.error[k]:.3f}" for e in sweep.effects.values()]
+        yield f"{row:<{width}}" + "".join(f"{cell:>26}" for cell in cells)
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("table")
@@ -250,6 +263,8 @@ def main(arguments=None):
     try:
         sweep = Sweep(options.table)
         os.makedirs(options.out, exist_ok=True)
+        for line in effect_lines(sweep):
+            print(line)
         with plt.rc_context(STYLE):
             for name, draw in (("effects", draw_effects), ("axes", draw_axes), ("problems", draw_problems), ("pareto", draw_pareto)):
                 figure = draw(sweep)

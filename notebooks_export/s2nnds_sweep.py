@@ -30,22 +30,58 @@ class Sweep:
                     setattr(self, name, file.attrs[name])
                 self.axes = [str(name) for name in file.attrs["axes"]]
                 self.names = [str(name) for name in file.attrs["columns"]]
-                effects = file["effects"]
-                texts = [effects[name].asstr()[()] for name in ("axis", "from", "to")]
-                self.effect_rows = [tuple(map(str, row)) for row in zip(*texts)]
-                self.effects = {str(name): self._effect(effects, name) for name in effects.attrs["figures"]}
+                self._axis = {name: dict(file["trials"][name].attrs) for name in self.axes}  # scale, values
                 self._columns = {name: self._column(file["trials"][name]) for name in self.names}
         except (OSError, KeyError) as error:
             raise SweepError(f"{path}: not the table of a sweep: {str(error).splitlines()[0]}") from error
+        steps = [(axis, str(values[0]), str(end)) for axis in self.axes for values in [self._axis[axis]["values"]] for end in values[1:]]
+        self.effect_rows = steps
+        names = dict.fromkeys([self.objective, "counts", "safe_area_ratio", "seconds"])
+        found = {name: self._effect(name) for name in names if name in self}
+        self.effects = {name: effect for name, effect in found.items() if effect is not None}
 
     @staticmethod
     def _column(item):
         return np.array(item.asstr()[()], dtype=object) if item.dtype.kind == "O" else item[()]
 
-    @staticmethod
-    def _effect(effects, name):
-        item = effects[name]
-        return Effect(str(item.attrs["kind"]), int(item.attrs["trials"]), item[()], effects[f"{name}_error"][()])
+    def _position(self, step):
+        """[trials] where the step's column of the linear model has each trial: in [0, 1] along a range, 0 or 1 of a list."""
+        axis, start, end = step
+        if self._axis[axis]["scale"] == "list":
+            column = self[axis]
+            return (column == (end if column.dtype.kind == "O" else float(end))).astype(float)
+        scaled = np.log if self._axis[axis]["scale"] == "log" else np.asarray
+        low, high = scaled(float(start)), scaled(float(end))
+        return (scaled(self[axis]) - low) / (high - low)
+
+    def _effect(self, name):
+        """What each step does to a figure, all other axes as they are: least squares over the last rung's trials, figure
+        (or its logarithm, of positive figures) = a constant of the problem + for each axis a slope over its range, or a
+        constant of each value of its list. "counts" is of all trials, the others are of those that count. The errors
+        assume that what the model leaves out is independent from trial to trial. None: these trials do not tell."""
+        used = (self["rung"] == self["rung"].max()) & (self["status"] != "missing")
+        used &= np.isfinite(self[name]) & (self.reached() | (name == "counts"))
+        value = self[name][used]
+        factor = name not in ("counts", "safe_area_ratio") and bool(np.all(value > 0))
+        value = np.log(value) if factor else value
+        problems = [self["config"][used] == problem for problem in sorted(set(self["config"][used]))]
+        columns = [self._position(step)[used] for step in self.effect_rows] + problems
+        if not self.effect_rows or len(value) <= len(columns) or np.ptp(value) == 0:
+            return None
+        model = np.stack(columns, axis=1).astype(float)
+        if np.linalg.matrix_rank(model) < len(columns):
+            return None
+        q, r = np.linalg.qr(model)
+        root = np.linalg.inv(r)
+        solution = root @ (q.T @ value)
+        deviation = np.sqrt(np.sum((value - model @ solution) ** 2) / (len(value) - len(columns)))
+        change, error = solution, deviation * np.linalg.norm(root, axis=1)
+        rounding = 1e-12 * np.abs(value).max()  # all that is left where the figure is the same in each problem's trials
+        change, error = (np.where(np.abs(x) < rounding, 0.0, x)[: len(self.effect_rows)] for x in (change, error))
+        if factor:
+            change = np.exp(change)
+            error = change * error
+        return Effect("factor" if factor else "difference", len(value), change, error)
 
     def __getitem__(self, name):
         return self._columns[name]

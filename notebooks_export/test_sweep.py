@@ -21,7 +21,7 @@ from test_plot import synthetic_run
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
-def write_table(path, trials=24, guarantee="proved", told=("mse_validation", "counts"), **changes):
+def write_table(path, trials=24, guarantee="proved", **changes):
     rng = np.random.default_rng(3)
     point = np.arange(trials) // 2
     decay_rate = 10.0 ** rng.uniform(-2, 0, trials // 2)[point]
@@ -51,14 +51,8 @@ def write_table(path, trials=24, guarantee="proved", told=("mse_validation", "co
         file.attrs.create("columns", list(columns), dtype=text)
         for name, values in columns.items():
             file.create_dataset(f"trials/{name}", data=values, dtype=text if values.dtype == object else None)
-        for name, texts in (("axis", ["training.loss.decay_rate", "networks.f.hidden"]), ("from", ["0.01", "[8]"]), ("to", ["1.0", "[32, 32]"])):
-            file.create_dataset(f"effects/{name}", data=np.array(texts, dtype=object), dtype=text)
-        for name in told:
-            kind, change = ("difference", [0.0, -0.2]) if name == "counts" else ("factor", [1.5, 1.01])
-            item = file.create_dataset(f"effects/{name}", data=np.array(change))
-            item.attrs.update(kind=kind, trials=trials)
-            file.create_dataset(f"effects/{name}_error", data=np.array([0.1, 0.02]))
-        file["effects"].attrs.create("figures", list(told), dtype=text)
+        file["trials/training.loss.decay_rate"].attrs.update(scale="log", values=np.array(["0.01", "1.0"], dtype=object))
+        file["trials/networks.f.hidden"].attrs.update(scale="list", values=np.array(["[8]", "[16, 16]", "[32, 32]"], dtype=object))
 
 
 class SweepTest(unittest.TestCase):
@@ -71,16 +65,14 @@ class SweepTest(unittest.TestCase):
         printed, errors = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
             code = plot_sweep.main([self.table, "--out", os.path.join(self.folder, "figures")])
-        return code, [os.path.basename(path) for path in printed.getvalue().split()], errors.getvalue()
+        return code, [os.path.basename(path) for path in printed.getvalue().split() if path.endswith(".png")], errors.getvalue()
 
     def test_reader(self):
         write_table(self.table)
         sweep = Sweep(self.table)
         self.assertEqual((len(sweep), sweep.objective, int(sweep.done().sum())), (24, "mse_validation", 23))
         self.assertEqual(sweep["config"][1], "Worm")
-        self.assertEqual(sweep.effect_rows[1], ("networks.f.hidden", "[8]", "[32, 32]"))
-        effect = sweep.effects["counts"]
-        self.assertEqual((effect.kind, effect.trials, list(effect.change), list(effect.error)), ("difference", 24, [0, -0.2], [0.1, 0.02]))
+        self.assertEqual(sweep.effect_rows[1], ("networks.f.hidden", "[8]", "[16, 16]"))
         self.assertEqual(sweep.run(3), os.path.join(self.folder, "runs/0000/0000003.h5"))
 
     def test_ranking_is_that_of_the_program(self):
@@ -90,6 +82,49 @@ class SweepTest(unittest.TestCase):
         ranking = Sweep(self.table).ranking()
         self.assertEqual([row[0] for row in ranking], [2, 1, 0])
         np.testing.assert_allclose([row[2] for row in ranking], [0.03, 0.2, 0.001])
+
+    def study(self, noise, **changes):
+        """120 trials of three problems: MSE = c_problem a^0.1 1.2^[letter = "[32, 32]"] e^noise."""
+        rng = np.random.default_rng(7)
+        rate = 10.0 ** rng.uniform(-2, 0, 120)
+        hidden = np.array([["[8]", "[16, 16]", "[32, 32]"][k] for k in rng.integers(0, 3, 120)], dtype=object)
+        problem = rng.permutation(np.arange(120) % 3)
+        mse = 10.0 ** (problem - 3) * rate**0.1 * np.where(hidden == "[32, 32]", 1.2, 1.0) * np.exp(noise * rng.normal(size=120))
+        columns = {"training.loss.decay_rate": rate, "networks.f.hidden": hidden, "mse_validation": mse,
+                   "config": np.array(["a", "b", "c"], dtype=object)[problem], "counts": np.ones(120),
+                   "status": np.array(["done"] * 120, dtype=object), "seconds": np.full(120, 10.0),
+                   "safe_area_ratio": 0.9 - 0.05 * (hidden == "[16, 16]")}  # fmt: skip
+        write_table(self.table, 120, **{**columns, **{name: change(columns) for name, change in changes.items()}})
+        return Sweep(self.table).effects
+
+    def test_effects_are_those_of_the_model_where_it_holds(self):
+        effects = self.study(0.0)
+        self.assertEqual(list(effects), ["mse_validation", "safe_area_ratio"])  # all count, and take as long
+        error = effects["mse_validation"]
+        self.assertEqual((error.kind, error.trials), ("factor", 120))
+        np.testing.assert_allclose(error.change, [100**0.1, 1.0, 1.2], atol=1e-9)
+        np.testing.assert_allclose(error.error, 0.0, atol=1e-9)
+        self.assertEqual(effects["safe_area_ratio"].kind, "difference")
+        np.testing.assert_allclose(effects["safe_area_ratio"].change, [0.0, -0.05, 0.0], atol=1e-9)
+
+    def test_errors_say_how_far_effects_may_be_off(self):
+        """Noise of .1 in the logarithm: a slope over its range has the standard error .1 sqrt(12 / 120) = .032, the
+        difference of two thirds of the trials .1 sqrt(2 / 40) = .022."""
+        effect = self.study(0.1)["mse_validation"]
+        relative, expected = effect.error / effect.change, np.array([0.0316, 0.0224, 0.0224])
+        np.testing.assert_allclose(relative, expected, rtol=0.3)
+        off = np.abs(np.log(effect.change) - [0.1 * np.log(100), 0.0, np.log(1.2)])
+        self.assertTrue(np.all(off < 4 * expected), off)
+
+    def test_only_trials_that_count_are_measured_all_of_them_are_counted(self):
+        effects = self.study(0.0, counts=lambda columns: (columns["networks.f.hidden"] != "[8]").astype(float))
+        self.assertEqual(effects["counts"].trials, 120)
+        np.testing.assert_allclose(effects["counts"].change, [0.0, 1.0, 1.0], atol=1e-9)
+        self.assertNotIn("mse_validation", effects)  # no trial with "[8]" is left to compare with
+
+    def test_few_trials_tell_no_effects(self):
+        write_table(self.table, 4)
+        self.assertEqual(Sweep(self.table).effects, {})
 
     def test_pareto_front(self):
         cost, gain = np.array([1, 2, 3, 4, 2, np.nan]), np.array([5, 3, 4, 1, 6, 0.0])
@@ -106,7 +141,7 @@ class SweepTest(unittest.TestCase):
         np.testing.assert_allclose(plot_sweep.as_factors(values, problems), [0.5, 2 / 3, 1.0, 4 / 3, 2.0])
 
     def test_nothing_to_draw(self):
-        write_table(self.table, told=(), status=np.array(["failed"] * 24, dtype=object))
+        write_table(self.table, status=np.array(["failed"] * 24, dtype=object), counts=np.zeros(24))
         self.assertEqual(self.draw(), (0, [], ""))
 
     def test_no_trial_has_the_guarantee(self):
