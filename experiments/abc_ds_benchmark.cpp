@@ -18,13 +18,11 @@
 // Usage: abc_ds_benchmark --data DIR [--out FOLDER] [--quick]
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "driver.h"
 #include "published_abc_ds.h"
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
 #include "s2nnds/runs/prepared_run.h"
-#include "trials.h"
 
 namespace {
 
@@ -40,20 +38,26 @@ constexpr Motion kMotions[] = {{"Sine", 0.035, 0.025, 2.02, 2.68, 0.0240},
                                {"Sshape", 0.014, 0.012, 3.871, 3.768, 0.0176},
                                {"Worm", 0.014, 0.066, 3.865, 3.101, 0.0218},
                                {"PShape", 0.016, 0.048, 3.59, 3.13, 0.0135}};
-std::string config_of(const Motion& motion) { return std::string("abc_ds/") + motion.name + ".toml"; }
+std::string config_name(const Motion& motion) { return std::string(motion.name) + "_abc_ds"; }
 
-std::vector<Trial> trials_of(const Motion& motion, const Arguments& arguments) {
-  std::vector<Trial> trials;
-  for (const int seed : arguments.seeds)
-    trials.push_back({fmt::format("{}-seed{}", motion.name, seed), config_of(motion), {}, seed});
-  for (Trial& split : split_trials(motion.name, config_of(motion), arguments))
-    trials.push_back(std::move(split));
-  return trials;
+std::vector<std::string> configs() {
+  std::vector<std::string> all;
+  for (const Motion& motion : kMotions) all.push_back(fmt::format("abc_ds/{}.toml", motion.name));
+  return all;
+}
+
+std::vector<ListedTrial> trials(const Arguments& arguments) {
+  std::vector<ListedTrial> all;
+  for (const Motion& motion : kMotions) {
+    read_published_abc_ds(motion.name, arguments.data);  // fails before training
+    append(all, seed_trials(config_name(motion), arguments));
+    append(all, split_trials(config_name(motion), arguments));
+  }
+  return all;
 }
 
 // The polynomials on the test demonstrations of a run.
-json measure(const PublishedAbcDs& published, const TrialResult& ours, const std::string& data) {
-  const PreparedRun setup = prepare(ours.record, data);
+json measure(const PublishedAbcDs& published, const PreparedRun& setup) {
   const std::vector<Demonstration> test = setup.test();
   const Points velocity = stack_velocities(test), predicted = published.velocity(stack_positions(test));
   double warped = 0.0;
@@ -100,86 +104,88 @@ std::string verdict_cell(const json& condition) {
   return fmt::format("refuted at ({:.3f}, {:.3f})", witness.at(0), witness.at(1));
 }
 
-Report run(const Arguments& arguments) {
-  std::vector<Trial> trials;
-  for (const Motion& motion : kMotions)
-    read_published_abc_ds(motion.name, arguments.data);  // before training
-  for (const Motion& motion : kMotions)
-    for (Trial& trial : trials_of(motion, arguments)) trials.push_back(std::move(trial));
-  const std::vector<TrialResult> results = run_trials(trials, arguments);
+// What ABC-DS's polynomials come to on the data and the sets of a run.
+json judge_published(const std::string& motion, const Run& ours, const std::string& data) {
+  const PublishedAbcDs published = read_published_abc_ds(motion, data);
+  const PreparedRun setup = prepare(ours.record(), data);
+  json theirs = measure(published, setup);
+  theirs["motion"] = motion;
+  theirs["f"] = terms_of(published.f);
+  theirs["B"] = terms_of(published.B);
+  theirs["claims"] = claims_of(judge(published, setup.problem));
+  return theirs;
+}
 
-  Table errors({"motion", "invariant", "train s", "test MSE", "ABC-DS", "test SD", "ABC-DS", "test DTW",
-                "ABC-DS", "mean of 5 splits", "best", "GP mean", "published MSE", "published ABC-DS"});
-  Table areas({"motion", "area in [-1, 1]^2", "ABC-DS", "true safe area of ABC-DS's f", "published",
-               "published ABC-DS", "safe area", "of true", "margin"});
-  Table claims({"motion", "V > 0", "Vdot < 0", "B <= 0 on X0", "B > 0 on Xu", "Bdot < 0 where B = 0",
-                "B > 0 on the square's boundary"});
-  json runs = json::array(), published_rows = json::array();
+Cell of_seeds(const Figure& figure, const std::string& form) { return median_of(seed_run, figure, form); }
+
+double area_in_square(const Run& run) {
+  return sublevel_area(run.record().networks.B, Box::cube(2, 1.0), 400);
+}
+
+Cell claim(const std::string& condition) {
+  return [=](const Row& row) { return verdict_cell(row.known["claims"]["conditions"][condition]); };
+}
+
+const std::vector<Column> kErrors = {
+    {"invariant", share_of(seed_run, is_invariant)},
+    {"train s", of_seeds(in_summary("/seconds/training"), "{:.0f}")},
+    {"test MSE", of_seeds(in_summary("/mse_test"), "{:.4f}")},
+    {"ABC-DS", known("mse_test", "{:.4f}")},
+    {"test SD", of_seeds(in_summary("/sd_test"), "{:.4f}")},
+    {"ABC-DS", known("sd_test", "{:.4f}")},
+    {"test DTW", of_seeds(in_summary("/dtw_test"), "{:.4f}")},
+    {"ABC-DS", known("dtw_test", "{:.4f}")},
+    {"mean of 5 splits", mean_of(split_run, in_summary("/mse_test"), "{:.4f}")},
+    {"best", least_of(split_run, in_summary("/mse_test"), "{:.4f}")},
+    {"GP mean", known("gp_mean", "{:.4f}")},
+    {"published MSE", known("published_mse", "{:.3f}")},
+    {"published ABC-DS", known("published_mse_abc", "{:.3f}")}};
+const std::vector<Column> kAreas = {{"area in [-1, 1]^2", of_seeds(area_in_square, "{:.3f}")},
+                                    {"ABC-DS", known("safe_area", "{:.3f}")},
+                                    {"true safe area of ABC-DS's f", known("true_safe_area", "{:.3f}")},
+                                    {"published", known("published_area", "{:.3f}")},
+                                    {"published ABC-DS", known("published_area_abc", "{:.3f}")},
+                                    {"safe area", of_seeds(in_summary("/safe_area"), "{:.2f}")},
+                                    {"of true", of_seeds(in_summary("/safe_area_ratio"), "{:.3f}")},
+                                    {"margin", of_seeds(in_summary("/disturbance_margin"), "{:.2g}")}};
+const std::vector<Column> kClaims = {{"V > 0", claim("lyapunov_positive")},
+                                     {"Vdot < 0", claim("lyapunov_decrease")},
+                                     {"B <= 0 on X0", claim("initial")},
+                                     {"B > 0 on Xu", claim("unsafe")},
+                                     {"Bdot < 0 where B = 0", claim("barrier_decrease")},
+                                     {"B > 0 on the square's boundary", claim("containment")}};
+
+Report report(const std::vector<Run>& runs, const Arguments& arguments) {
+  std::vector<Row> rows;
+  json published = json::array();
   for (const Motion& motion : kMotions) {
-    std::vector<double> train, mse, sd, warped, area, whole, ratio, margin, fixed;
-    int invariant = 0;
-    const TrialResult* first = nullptr;
-    for (const TrialResult& result : results) {
-      if (result.trial.config != config_of(motion)) continue;
-      const json& s = result.summary;
-      runs.push_back(s);
-      runs.back()["trial"] = result.trial.name;
-      if (result.trial.name.find("-seed") == std::string::npos) {
-        fixed.push_back(s["mse_test"]);
-        continue;
-      }
-      if (first == nullptr) first = &result;
-      invariant += s["guarantee"] == "invariant";
-      train.push_back(s["seconds"]["training"]);
-      mse.push_back(s["mse_test"]);
-      sd.push_back(s["sd_test"]);
-      warped.push_back(s["dtw_test"]);
-      area.push_back(sublevel_area(result.record.networks.B, Box::cube(2, 1.0), 400));
-      runs.back()["safe_area_in_unit_square"] = area.back();
-      whole.push_back(s["safe_area"]);
-      ratio.push_back(s["safe_area_ratio"]);
-      margin.push_back(s["disturbance_margin"]);
-    }
-    const PublishedAbcDs published = read_published_abc_ds(motion.name, arguments.data);
-    json theirs = measure(published, *first, arguments.data);
-    theirs["motion"] = motion.name;
-    theirs["f"] = terms_of(published.f);
-    theirs["B"] = terms_of(published.B);
-    theirs["claims"] = claims_of(judge(published, prepare(first->record, arguments.data).problem));
-    const auto number = [](double value) { return fmt::format("{:.4f}", value); };
-    errors.add({motion.name, fmt::format("{}/{}", invariant, train.size()),
-                fmt::format("{:.0f}", median(train)), number(median(mse)), number(theirs["mse_test"]),
-                number(median(sd)), number(theirs["sd_test"]), number(median(warped)),
-                number(theirs["dtw_test"]), number(mean(fixed)),
-                number(*std::min_element(fixed.begin(), fixed.end())), number(motion.gp_mean),
-                fmt::format("{:.3f}", motion.mse), fmt::format("{:.3f}", motion.mse_abc)});
-    areas.add({motion.name, fmt::format("{:.3f}", median(area)),
-               fmt::format("{:.3f}", theirs["safe_area"].get<double>()),
-               fmt::format("{:.3f}", theirs["true_safe_area"].get<double>()),
-               fmt::format("{:.3f}", motion.area), fmt::format("{:.3f}", motion.area_abc),
-               fmt::format("{:.2f}", median(whole)), fmt::format("{:.3f}", median(ratio)),
-               fmt::format("{:.2g}", median(margin))});
-    const json& conditions = theirs["claims"]["conditions"];
-    std::vector<std::string> row = {motion.name};
-    for (const char* condition :
-         {"lyapunov_positive", "lyapunov_decrease", "initial", "unsafe", "barrier_decrease", "containment"})
-      row.push_back(verdict_cell(conditions[condition]));
-    claims.add(row);
-    published_rows.push_back(std::move(theirs));
+    Row row{motion.name, select(runs, [&](const Run& run) { return run.config == config_name(motion); }), {}};
+    published.push_back(judge_published(motion.name, row.runs.front(), arguments.data));
+    row.known = published.back();
+    row.known.update({{"gp_mean", motion.gp_mean},
+                      {"published_mse", motion.mse},
+                      {"published_mse_abc", motion.mse_abc},
+                      {"published_area", motion.area},
+                      {"published_area_abc", motion.area_abc}});
+    rows.push_back(std::move(row));
   }
-  fmt::print("{}\n{}\n{}", errors.text(), areas.text(), claims.text());
-  const json found = {
-      {"tables", {{"errors", errors.json()}, {"areas", areas.json()}, {"claims", claims.json()}}},
-      {"runs", runs},
-      {"abc_ds", published_rows}};
-  return {found, [=] {
-            draw_all(results, arguments);
-            draw_together("fig4", "against", results, arguments, found);
-          }};
+  return {{{"errors", make_table("motion", rows, kErrors)},
+           {"areas", make_table("motion", rows, kAreas)},
+           {"claims", make_table("motion", rows, kClaims)}},
+          [=] {
+            draw_all(runs, arguments);
+            draw_together("fig4", "against", runs, arguments, {{"abc_ds", published}});
+          },
+          {{"abc_ds", published}}};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_driver(argc, argv, "abc_ds_benchmark", "Tables II and III: against the published ABC-DS", run);
+  return run_driver(argc, argv,
+                    {.name = "abc_ds_benchmark",
+                     .about = "Tables II and III: against the published ABC-DS",
+                     .configs = configs(),
+                     .trials = trials,
+                     .report = report});
 }

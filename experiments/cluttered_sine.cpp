@@ -3,20 +3,15 @@
 // Expected: every seed `invariant`.
 //
 // Usage: cluttered_sine --data DIR [--out FOLDER] [--quick]
-#include "trials.h"
-
-namespace {
-
-using namespace s2nnds::experiment;
-
-Report run(const Arguments& arguments) {
-  return report_runs(
-      run_trials(seed_trials("cluttered_sine", "other/cluttered_sine.toml", arguments), arguments),
-      arguments);
-}
-
-}  // namespace
+#include "driver.h"
 
 int main(int argc, char** argv) {
-  return run_driver(argc, argv, "cluttered_sine", "Fig. 5: a sine below a sine-shaped obstacle", run);
+  using namespace s2nnds::experiment;
+  return run_driver(argc, argv,
+                    {.name = "cluttered_sine",
+                     .about = "Fig. 5: a sine below a sine-shaped obstacle",
+                     .configs = {"other/cluttered_sine.toml"},
+                     .trials = [](const Arguments& arguments) {
+                       return with_price(seed_trials("cluttered_sine", arguments));
+                     }});
 }

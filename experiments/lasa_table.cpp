@@ -20,11 +20,9 @@
 // Usage: lasa_table --data DIR [--out FOLDER] [--quick]
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <map>
 
-#include "trials.h"
+#include "driver.h"
 
 namespace {
 
@@ -39,108 +37,98 @@ constexpr Motion kMotions[] = {{"Sine", 0.015, 0.0247},   {"Sshape", 0.016, 0.01
                                {"CShape", 0.019, 0.0251}, {"Worm", 0.026, 0.0219},
                                {"Angle", 0.044, 0.0262},  {"GShape", 0.019, 0.0241},
                                {"PShape", 0.008, 0.0136}, {"NShape", 0.084, 0.0212}};
-std::vector<Trial> trials_of(const Motion& motion, const Arguments& arguments) {
-  const std::string config = std::string("lasa/") + motion.name + ".toml";
-  std::vector<Trial> trials = seed_trials(motion.name, config, arguments);
-  for (const Trial& split : split_trials(motion.name, config, arguments)) {
-    trials.push_back(split);
-    std::vector<std::string> free = uncertified();
-    free.push_back(split.assignments.front());
-    trials.push_back({split.name + "-uncertified", config, free});
-  }
-  return trials;
+
+std::vector<std::string> configs() {
+  std::vector<std::string> all;
+  for (const Motion& motion : kMotions) all.push_back(fmt::format("lasa/{}.toml", motion.name));
+  return all;
 }
 
-struct Columns {
-  std::map<std::string, std::vector<double>> of;  // by name, one value a run
-  int runs = 0, invariant = 0, conformal = 0;
-
-  void add(const json& summary) {
-    ++runs;
-    invariant += summary["guarantee"] == "invariant";
-    bool passed = true;  // no counterexample among the samples either
-    for (const json& condition : summary["conditions"]) {
-      for (const char* method : {"sampled", "conformal"})
-        passed = passed && (!condition.contains(method) || condition[method]["verdict"] == "passed");
-    }
-    conformal += passed;
-    const json& seconds = summary["seconds"];
-    of["first"].push_back(seconds.value("first_clean_round", HUGE_VAL));
-    of["train"].push_back(seconds.at("training"));
-    of["proof"].push_back(seconds.value("proof", std::nan("")));
-    of["boxes"].push_back(proof_boxes(summary));
-    for (const char* key : {"rounds", "mse_train", "mse_test", "sd_test", "dtw_test"})
-      of[key].push_back(summary[key].is_null() ? std::nan("") : summary[key].get<double>());
-    for (const char* key : {"safe_area", "safe_area_ratio", "disturbance_margin"}) {
-      std::vector<double>& guaranteed = of[key];
-      if (summary["guarantee"] != "none") guaranteed.push_back(summary[key]);
-    }
-  }
-  double middle(const std::string& key) const { return median(of.at(key)); }
-};
-
-Report run(const Arguments& arguments) {
-  std::vector<Trial> trials;
-  for (const Motion& motion : kMotions)
-    for (Trial& trial : trials_of(motion, arguments)) trials.push_back(std::move(trial));
-  const std::vector<TrialResult> results = run_trials(trials, arguments);
-
-  Table guarantees({"motion", "invariant", "conformal", "first s", "train s", "rounds", "proof s", "boxes",
-                    "safe area", "of true", "margin"});
-  Table accuracy({"motion", "train MSE", "test MSE", "test SD", "test DTW", "splits invariant",
-                  "mean of splits", "best", "uncertified mean", "price", "GP mean", "published"});
-  Columns all;
+std::vector<s2nnds::ListedTrial> trials(const Arguments& arguments) {
+  std::vector<s2nnds::ListedTrial> all;
   for (const Motion& motion : kMotions) {
-    Columns own;
-    std::vector<double> certified, free;
-    int invariant_splits = 0;
-    for (const TrialResult& result : results) {
-      if (result.trial.config != std::string("lasa/") + motion.name + ".toml") continue;
-      const std::string& name = result.trial.name;
-      const bool split = name.find("-test") != std::string::npos, without = name.ends_with("-uncertified");
-      if (split) (without ? free : certified).push_back(result.summary["mse_test"]);
-      invariant_splits += split && result.summary["guarantee"] == "invariant";
-      if (split || without) continue;
-      own.add(result.summary);
-      all.add(result.summary);
-    }
-    guarantees.add({motion.name, fmt::format("{}/{}", own.invariant, own.runs),
-                    fmt::format("{}/{}", own.conformal, own.runs), fmt::format("{:.0f}", own.middle("first")),
-                    fmt::format("{:.0f}", own.middle("train")), fmt::format("{:.0f}", own.middle("rounds")),
-                    fmt::format("{:.2f}", own.middle("proof")), fmt::format("{:.0f}", own.middle("boxes")),
-                    fmt::format("{:.2f}", own.middle("safe_area")),
-                    fmt::format("{:.3f}", own.middle("safe_area_ratio")),
-                    fmt::format("{:.2g}", own.middle("disturbance_margin"))});
-    accuracy.add({motion.name, fmt::format("{:.4f}", own.middle("mse_train")),
-                  fmt::format("{:.4f}", own.middle("mse_test")), fmt::format("{:.3f}", own.middle("sd_test")),
-                  fmt::format("{:.4f}", own.middle("dtw_test")),
-                  fmt::format("{}/{}", invariant_splits, certified.size()),
-                  fmt::format("{:.4f}", mean(certified)),
-                  fmt::format("{:.4f}", *std::min_element(certified.begin(), certified.end())),
-                  fmt::format("{:.4f}", mean(free)), fmt::format("{:.2f}", mean(certified) / mean(free)),
-                  fmt::format("{:.4f}", motion.gp_mean), fmt::format("{:.3f}", motion.published)});
+    append(all, with_price(seed_trials(motion.name, arguments)));
+    for (const s2nnds::ListedTrial& split : split_trials(motion.name, arguments))
+      append(all, {split, without_conditions(split)});
   }
-  guarantees.add({"all", fmt::format("{}/{}", all.invariant, all.runs),
-                  fmt::format("{}/{}", all.conformal, all.runs), fmt::format("{:.0f}", all.middle("first")),
-                  fmt::format("{:.0f}", all.middle("train")), fmt::format("{:.0f}", all.middle("rounds")),
-                  fmt::format("{:.2f}", all.middle("proof")), fmt::format("{:.0f}", all.middle("boxes")), "",
-                  fmt::format("{:.3f}", all.middle("safe_area_ratio")),
-                  fmt::format("{:.2g}", all.middle("disturbance_margin"))});
-  const Table robustness = table_of_robustness(results, arguments);
-  fmt::print("{}\n{}\n{}", guarantees.text(), accuracy.text(), robustness.text());
-  return {{{"tables",
-            {{"guarantees", guarantees.json()},
-             {"accuracy", accuracy.json()},
-             {"robustness", robustness.json()}}},
-           {"runs", summaries_of(results)}},
+  return all;
+}
+
+// No counterexample among the samples, which the conformal bound wants as well.
+bool passed_samples(const Run& run) {
+  for (const json& condition : run.summary["conditions"]) {
+    for (const char* method : {"sampled", "conformal"})
+      if (condition.contains(method) && condition[method]["verdict"] != "passed") return false;
+  }
+  return true;
+}
+
+double first_clean_second(const Run& run) {
+  return run.summary["seconds"].value("first_clean_round", HUGE_VAL);
+}
+
+// The price of the certificate: how much larger the error is than without conditions, over the splits.
+std::string price(const Row& row) {
+  return fmt::format("{:.2f}", mean(measured(row.runs, split_run, in_summary("/mse_test"))) /
+                                   mean(measured(row.runs, free_split_run, in_summary("/mse_test"))));
+}
+
+Cell of_seeds(const Figure& figure, const std::string& form) { return median_of(seed_run, figure, form); }
+
+// In normalised units, which differ from motion to motion.
+std::string safe_area(const Row& row) {
+  return row.known.is_null() ? "" : of_seeds(if_guaranteed("/safe_area"), "{:.2f}")(row);
+}
+
+const std::vector<Column> kGuarantees = {
+    {"invariant", share_of(seed_run, is_invariant)},
+    {"conformal", share_of(seed_run, passed_samples)},
+    {"first s", of_seeds(first_clean_second, "{:.0f}")},
+    {"train s", of_seeds(in_summary("/seconds/training"), "{:.0f}")},
+    {"rounds", of_seeds(in_summary("/rounds"), "{:.0f}")},
+    {"proof s", of_seeds(in_summary("/seconds/proof"), "{:.2f}")},
+    {"boxes", of_seeds(proof_boxes, "{:.0f}")},
+    {"safe area", safe_area},
+    {"of true", of_seeds(if_guaranteed("/safe_area_ratio"), "{:.3f}")},
+    {"margin", of_seeds(if_guaranteed("/disturbance_margin"), "{:.2g}")}};
+const std::vector<Column> kAccuracy = {
+    {"train MSE", of_seeds(in_summary("/mse_train"), "{:.4f}")},
+    {"test MSE", of_seeds(in_summary("/mse_test"), "{:.4f}")},
+    {"test SD", of_seeds(in_summary("/sd_test"), "{:.3f}")},
+    {"test DTW", of_seeds(in_summary("/dtw_test"), "{:.4f}")},
+    {"splits invariant", share_of(split_run, is_invariant)},
+    {"mean of splits", mean_of(split_run, in_summary("/mse_test"), "{:.4f}")},
+    {"best", least_of(split_run, in_summary("/mse_test"), "{:.4f}")},
+    {"uncertified mean", mean_of(free_split_run, in_summary("/mse_test"), "{:.4f}")},
+    {"price", price},
+    {"GP mean", known("gp_mean", "{:.4f}")},
+    {"published", known("published", "{:.3f}")}};
+
+Report report(const std::vector<Run>& runs, const Arguments& arguments) {
+  std::vector<Row> motions;
+  for (const Motion& motion : kMotions) {
+    motions.push_back({motion.name,
+                       select(runs, [&](const Run& run) { return run.config == motion.name; }),
+                       {{"gp_mean", motion.gp_mean}, {"published", motion.published}}});
+  }
+  std::vector<Row> with_all = motions;
+  with_all.push_back({"all", runs, nullptr});
+  return {{{"guarantees", make_table("motion", with_all, kGuarantees)},
+           {"accuracy", make_table("motion", motions, kAccuracy)},
+           {"robustness", table_of_robustness(runs, arguments.data)}},
           [=] {
-            draw_all(results, arguments);
-            draw_together("fig2", "panels", results, arguments);
+            draw_all(runs, arguments);
+            draw_together("fig2", "panels", runs, arguments);
           }};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_driver(argc, argv, "lasa_table", "Table I: eight LASA motions, learned and certified", run);
+  return run_driver(argc, argv,
+                    {.name = "lasa_table",
+                     .about = "Table I: eight LASA motions, learned and certified",
+                     .configs = configs(),
+                     .trials = trials,
+                     .report = report});
 }

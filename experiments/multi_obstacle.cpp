@@ -12,9 +12,9 @@
 #include <filesystem>
 #include <numbers>
 
+#include "driver.h"
 #include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/random.h"
-#include "trials.h"
 
 namespace {
 
@@ -54,17 +54,19 @@ std::string write_recordings(const std::string& folder) {
   return "data.files=" + files.dump();
 }
 
-Report run(const Arguments& arguments) {
-  const std::string files = write_recordings(arguments.out + "/recordings");
-  std::vector<Trial> trials = seed_trials("pick_box", "other/pick_box.toml", arguments);
-  for (Trial& trial : seed_trials("robot", "recordings/robot.toml", arguments, {files}))
-    trials.push_back(std::move(trial));
-  return report_runs(run_trials(trials, arguments), arguments);
+std::vector<s2nnds::ListedTrial> trials(const Arguments& arguments) {
+  std::vector<s2nnds::ListedTrial> all = with_price(seed_trials("pick_box", arguments));
+  append(all, with_price(seed_trials("robot", arguments, {write_recordings(arguments.out + "/recordings")})));
+  return all;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_driver(argc, argv, "multi_obstacle",
-                    "Several obstacles: 3-D pick-and-place, and a planar motion from CSV recordings", run);
+  return run_driver(
+      argc, argv,
+      {.name = "multi_obstacle",
+       .about = "Several obstacles: 3-D pick-and-place, and a planar motion from CSV recordings",
+       .configs = {"other/pick_box.toml", "recordings/robot.toml"},
+       .trials = trials});
 }

@@ -67,9 +67,9 @@ class Notebooks(unittest.TestCase):
     def test_paper(self):
         results = os.path.join(self.folder, "results.json")
         # As a driver that was started in the project's folder writes it.
-        row = {"run": os.path.relpath(self.run_file, os.path.dirname(HERE)), "seed": 0, "trial": "Sine-seed0"}
+        row = {"run": os.path.relpath(self.run_file, os.path.dirname(HERE)), "seed": 0, "profile": "", "test": []}
         with open(results, "w", encoding="utf-8") as file:
-            rows = [row, {**row, "trial": "Sine-seed0-uncertified"}]  # of these only certified runs are drawn
+            rows = [row, {**row, "profile": "imitation"}]  # of these only certified runs are drawn
             json.dump({"experiment": "lasa_table", "created": "today", "program_version": "1", "seeds": [0], "runs": rows,
                        "tables": {"accuracy": {"head": ["motion"], "rows": [["Sine"]]}}}, file)  # fmt: skip
         executed = self.execute("paper.ipynb", S2NNDS_RESULTS=results)

@@ -8,8 +8,8 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/runs/config.h"
+#include "s2nnds/runs/prepared_run.h"
 #include "s2nnds/runs/summary.h"
-#include "s2nnds/sweeps/continuation.h"
 #include "s2nnds/sweeps/trial_result.h"
 
 namespace s2nnds::program {
@@ -17,15 +17,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Rounds that the rung before has trained already need not be trained again.
+// Begins the trial where the rung before ended its run of the same configuration with fewer rounds. Trained
+// further, it is the run that it would be from the start, since a round depends only on the rounds before it.
 void take_over(const Sweep& sweep, const SweepFolder& folder, const Trial& trial,
                const CommonArguments& common) {
   if (trial.rung == 0 || sweep.options.halving.key != "training.rounds") return;
   const std::string earlier = folder.run(trial.id - sweep.trials_a_rung());
   if (!fs::exists(earlier)) return;
   const std::string config = folder.config(sweep.configs[trial.config]);
-  continue_run(earlier, read_config_text(config, sweep.settings(trial)), config, data_directory(common.data),
-               folder.run(trial.id));
+  RunRecord old = load_run(earlier);
+  check(old.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from", earlier);
+  const std::string text = read_config_text(config, sweep.settings(trial));
+  RunRecord record = new_record(prepare(parse_config(text, config), data_directory(common.data)), text);
+  record.networks = std::move(old.networks);
+  record.history = std::move(old.history);
+  record.checkpoint = std::move(old.checkpoint);
+  record.checkpoint->finished = false;
+  save_run(folder.run(trial.id), record);
 }
 
 int train_trial(const Sweep& sweep, const SweepFolder& folder, const Trial& trial,

@@ -17,117 +17,80 @@ std::string number_text(double value, bool integer, int digits) {
 constexpr int drawn_digits = 6;
 constexpr int grid_digits = 12;
 
-class AxisReader {
- public:
-  AxisReader(std::string source) : source_(std::move(source)) {}
+// What is read below throws Error with `where`: source, line and axis.
 
-  // A table that has none of an axis's words is the first part of a dotted key that was written without
-  // quotes.
-  void read_table(const toml::table& table, const std::string& prefix) {
-    for (const auto& [key, node] : table) {
-      const std::string name = prefix + std::string(key.str());
-      const auto* inner = node.as_table();
-      if (inner != nullptr && !inner->contains("values") && !inner->contains("range") &&
-          !inner->contains("log_range")) {
-        read_table(*inner, name + ".");
-      } else {
-        axes_.push_back({node.source().begin, read_axis(name, node)});
-      }
-    }
+void read_values(const toml::node& node, const std::string& where, Axis& axis) {
+  const auto* array = node.as_array();
+  check(array != nullptr && !array->empty(), "{}: expected a list of at least one value, found {}", where,
+        toml_text(node));
+  for (const toml::node& value : *array) {
+    const std::string text = toml_text(value);
+    check(std::find(axis.values.begin(), axis.values.end(), text) == axis.values.end(),
+          "{}: found {} twice; expected different values", where, text);
+    axis.values.push_back(text);
   }
+}
 
-  std::vector<Axis> in_order() {
-    const auto before = [](const Found& a, const Found& b) {
-      return std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
-    };
-    std::stable_sort(axes_.begin(), axes_.end(), before);
-    std::vector<Axis> axes;
-    for (Found& found : axes_) axes.push_back(std::move(found.axis));
-    return axes;
-  }
+void read_range(const toml::node& node, const std::string& where, Axis& axis) {
+  const auto* array = node.as_array();
+  const bool two =
+      array != nullptr && array->size() == 2 && (*array)[0].is_number() && (*array)[1].is_number();
+  check(two, "{}: expected a range of two numbers, found {}", where, toml_text(node));
+  axis.low = *(*array)[0].value<double>();
+  axis.high = *(*array)[1].value<double>();
+  axis.integer = (*array)[0].is_integer() && (*array)[1].is_integer();
+  check(std::isfinite(axis.low) && std::isfinite(axis.high) && axis.low < axis.high,
+        "{}: expected a range that rises, found {}", where, toml_text(node));
+  check(!axis.logarithmic || axis.low > 0.0, "{}: expected a logarithmic range of numbers > 0, found {}",
+        where, toml_text(node));
+}
 
- private:
-  struct Found {
-    toml::source_position place;
-    Axis axis;
-  };
-
-  std::string where(const toml::node& node, const std::string& name) const {
-    return fmt::format("{}:{}: axes: {}", source_, node.source().begin.line, name);
-  }
-
-  Axis read_axis(const std::string& name, const toml::node& node) const {
-    Axis axis;
-    axis.key = name;
-    axis.line = node.source().begin.line;
-    const auto* table = node.as_table();
-    if (table == nullptr) {
-      read_values(axis, node);
-    } else {
-      read_fields(axis, *table);
-    }
-    return axis;
-  }
-
-  void read_fields(Axis& axis, const toml::table& table) const {
-    check(table.contains("values") + table.contains("range") + table.contains("log_range") == 1,
-          "{}: expected one of values, range and log_range", where(table, axis.key));
-    for (const auto& [key, node] : table) {
-      if (key == "values") {
-        read_values(axis, node);
-      } else if (key == "range" || key == "log_range") {
-        axis.logarithmic = key == "log_range";
-        read_range(axis, node);
-      } else if (key == "count") {
-        const auto count = node.value_exact<std::int64_t>();
-        check(count && *count >= 1, "{}: count: expected an integer >= 1, found {}", where(node, axis.key),
-              toml_text(node));
-        axis.count = *count;
-      } else if (key == "also") {
-        read_also(axis, node);
-      } else {
-        fail("{}: unknown key {}; expected values, range, log_range, count or also", where(node, axis.key),
-             key.str());
-      }
-    }
-  }
-
-  void read_values(Axis& axis, const toml::node& node) const {
-    const auto* array = node.as_array();
-    check(array != nullptr && !array->empty(), "{}: expected a list of at least one value, found {}",
-          where(node, axis.key), toml_text(node));
-    for (const toml::node& value : *array) {
-      axis.values.push_back(toml_text(value));
-      const auto repeated = std::count(axis.values.begin(), axis.values.end(), axis.values.back());
-      check(repeated == 1, "{}: found {} twice; expected different values", where(value, axis.key),
-            axis.values.back());
-    }
-  }
-
-  void read_range(Axis& axis, const toml::node& node) const {
-    const auto* array = node.as_array();
-    const bool two =
-        array != nullptr && array->size() == 2 && (*array)[0].is_number() && (*array)[1].is_number();
-    check(two, "{}: expected a range of two numbers, found {}", where(node, axis.key), toml_text(node));
-    axis.low = *(*array)[0].value<double>();
-    axis.high = *(*array)[1].value<double>();
-    axis.integer = (*array)[0].is_integer() && (*array)[1].is_integer();
-    check(std::isfinite(axis.low) && std::isfinite(axis.high) && axis.low < axis.high,
-          "{}: expected a range that rises, found {}", where(node, axis.key), toml_text(node));
-    check(!axis.logarithmic || axis.low > 0.0, "{}: expected a logarithmic range of numbers > 0, found {}",
-          where(node, axis.key), toml_text(node));
-  }
-
-  void read_also(Axis& axis, const toml::node& node) const {
+void read_field(const std::string& key, const toml::node& node, const std::string& where, Axis& axis) {
+  if (key == "values") {
+    read_values(node, where, axis);
+  } else if (key == "range" || key == "log_range") {
+    axis.logarithmic = key == "log_range";
+    read_range(node, where, axis);
+  } else if (key == "count") {
+    axis.count = node.value_exact<std::int64_t>().value_or(0);
+    check(axis.count >= 1, "{}: count: expected an integer >= 1, found {}", where, toml_text(node));
+  } else if (key == "also") {
     const auto* array = node.as_array();
     check(array != nullptr && array->is_homogeneous<std::string>(),
-          "{}: also: expected a list of keys, found {}", where(node, axis.key), toml_text(node));
-    for (const toml::node& key : *array) axis.also.push_back(*key.value<std::string>());
+          "{}: also: expected a list of keys, found {}", where, toml_text(node));
+    for (const toml::node& other : *array) axis.also.push_back(*other.value<std::string>());
+  } else {
+    fail("{}: unknown key {}; expected values, range, log_range, count or also", where, key);
   }
+}
 
-  std::string source_;
-  std::vector<Found> axes_;
-};
+int value_fields(const toml::table& table) {
+  return table.contains("values") + table.contains("range") + table.contains("log_range");
+}
+
+// A table that has none of an axis's words is the first part of a dotted key that was written without quotes.
+void read_table(const toml::table& table, const std::string& prefix, const std::string& source,
+                std::vector<std::pair<toml::source_position, Axis>>& axes) {
+  for (const auto& [key, node] : table) {
+    const std::string name = prefix + std::string(key.str());
+    const auto* inner = node.as_table();
+    if (inner != nullptr && value_fields(*inner) == 0) {
+      read_table(*inner, name + ".", source, axes);
+      continue;
+    }
+    const auto where = [&](const toml::node& at) {
+      return fmt::format("{}:{}: axes: {}", source, at.source().begin.line, name);
+    };
+    Axis axis{.key = name, .line = node.source().begin.line};
+    if (inner == nullptr) {
+      read_values(node, where(node), axis);
+    } else {
+      check(value_fields(*inner) == 1, "{}: expected one of values, range and log_range", where(node));
+      for (const auto& [word, field] : *inner) read_field(std::string(word.str()), field, where(field), axis);
+    }
+    axes.emplace_back(node.source().begin, axis);
+  }
+}
 
 }  // namespace
 
@@ -172,9 +135,14 @@ std::vector<Axis> read_axes(const std::string& text, const std::string& source) 
   const toml::node* axes = root.get("axes");
   if (axes == nullptr) return {};
   check(axes->is_table(), "{}:{}: axes: expected a table of keys", source, axes->source().begin.line);
-  AxisReader reader(source);
-  reader.read_table(*axes->as_table(), "");
-  return reader.in_order();
+  std::vector<std::pair<toml::source_position, Axis>> found;
+  read_table(*axes->as_table(), "", source, found);
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.first.line, a.first.column) < std::pair(b.first.line, b.first.column);
+  });
+  std::vector<Axis> in_order;
+  for (auto& [place, axis] : found) in_order.push_back(std::move(axis));
+  return in_order;
 }
 
 }  // namespace s2nnds

@@ -64,6 +64,7 @@ void shuffle(std::vector<std::int64_t>& values, RandomStream random) {
 }  // namespace
 
 std::vector<DesignPoint> make_design(const SweepOptions& options, const std::vector<Axis>& axes) {
+  if (options.design == "list") return std::vector<DesignPoint>(options.trials.size());
   if (axes.empty()) return {DesignPoint{}};
   if (options.design == "grid") return grid(axes);
   return options.design == "random" ? random(options, axes) : sobol(options, axes);

@@ -14,7 +14,7 @@ using DesignPoint = std::vector<std::string>;
 // grid: every combination, the last axis running fastest. random: `points` independent draws. sobol: the
 // first `points` of Sobol's sequence (from (1/2, 1/2, ...) on), each coordinate XORed with a number of its
 // own unless design_seed is 0, which keeps the sequence's even spread. The same options give the same points.
-// Without axes: one point.
+// list: one empty point a trial. Without axes: one point.
 std::vector<DesignPoint> make_design(const SweepOptions& options, const std::vector<Axis>& axes);
 
 // For each of `points` one of `pairs`: all of them in turn, each time through in another random order, so

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
+#include <set>
 #include <sstream>
 
 #include "s2nnds/core/check.h"
@@ -53,19 +53,19 @@ std::int64_t parse_count(const std::string& name, const std::string& value) {
   return std::stol(value);
 }
 
-std::string directives(const Sweep& sweep, const SlurmOptions& options, const std::string& log) {
-  std::string text = "#!/bin/bash\n";
-  const auto add = [&text](const std::string& name, const std::string& value) {
-    if (!value.empty()) text += fmt::format("#SBATCH --{}={}\n", name, value);
-  };
-  add("job-name", quoted(sweep.options.name));
-  add("partition", options.partition);
-  add("account", options.account);
-  add("qos", options.qos);
-  add("output", quoted(log));
-  text += "#SBATCH --open-mode=append\n";
-  return text;
+// What all of the sweep's jobs have, and of `names` what is set.
+std::string directives(const Sweep& sweep, const SlurmOptions& options, const std::string& log,
+                       const std::set<std::string>& names) {
+  std::string text = fmt::format("#!/bin/bash\n#SBATCH --job-name={}\n#SBATCH --output={}\n",
+                                 quoted(sweep.options.name), quoted(log));
+  for (const auto& [name, value] : options.sbatch) {
+    if (names.contains(name)) text += fmt::format("#SBATCH --{}={}\n", name, value);
+  }
+  return text + "#SBATCH --open-mode=append\n";
 }
+
+const std::set<std::string> kOfJobs = {"partition", "account", "qos"};
+const std::set<std::string> kOfTasks = {"partition", "account", "qos", "time", "mem"};
 
 }  // namespace
 
@@ -78,16 +78,8 @@ SlurmOptions parse_slurm(const std::string& text) {
     const std::string value = equals == std::string::npos ? "" : entry.substr(equals + 1);
     check(!value.empty() && value.find_first_of(" \t\n'\"") == std::string::npos,
           "--slurm: expected name=value without spaces, found \"{}\"", entry);
-    if (name == "partition") {
-      options.partition = value;
-    } else if (name == "time") {
-      options.time = value;
-    } else if (name == "account") {
-      options.account = value;
-    } else if (name == "qos") {
-      options.qos = value;
-    } else if (name == "mem") {
-      options.mem = value;
+    if (kOfTasks.contains(name)) {
+      options.sbatch[name] = value;
     } else if (name == "throttle") {
       options.throttle = parse_count(name, value);
     } else if (name == "chunk") {
@@ -128,12 +120,10 @@ std::string array_text(const std::vector<std::int64_t>& positions, std::int64_t 
 std::string batch_script(const Sweep& sweep, const SweepFolder& folder, const SlurmOptions& options,
                          const std::string& array, std::int64_t chunk, std::int64_t threads,
                          const std::vector<std::string>& command) {
-  std::string text = directives(sweep, options, folder.file("slurm/%A_%a.log"));
+  std::string text = directives(sweep, options, folder.file("slurm/%A_%a.log"), kOfTasks);
   text += fmt::format("#SBATCH --array={}{}\n", array,
                       options.throttle > 0 ? fmt::format("%{}", options.throttle) : std::string());
   text += fmt::format("#SBATCH --ntasks=1\n#SBATCH --cpus-per-task={}\n", threads);
-  if (!options.time.empty()) text += "#SBATCH --time=" + options.time + "\n";
-  if (!options.mem.empty()) text += "#SBATCH --mem=" + options.mem + "\n";
   text += "#SBATCH --requeue\n";           // when a node fails
   text += "#SBATCH --signal=B:TERM@30\n";  // before the time is over: the trials' last rounds are on the disk
   text += fmt::format("first=$((SLURM_ARRAY_TASK_ID * {0}))\nlast=$((first + {1}))\n", chunk, chunk - 1);
@@ -143,8 +133,8 @@ std::string batch_script(const Sweep& sweep, const SweepFolder& folder, const Sl
 
 std::string follow_up_script(const Sweep& sweep, const SweepFolder& folder, const SlurmOptions& options,
                              const std::vector<std::string>& command) {
-  return directives(sweep, options, folder.file("slurm/%j.log")) + "#SBATCH --time=01:00:00\n" + "exec " +
-         command_line(command) + "\n";
+  return directives(sweep, options, folder.file("slurm/%j.log"), kOfJobs) + "#SBATCH --time=01:00:00\n" +
+         "exec " + command_line(command) + "\n";
 }
 
 std::string submit(const std::string& script, const std::vector<std::string>& words) {

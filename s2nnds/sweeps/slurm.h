@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -9,15 +10,11 @@
 namespace s2nnds {
 
 // How a sweep goes to a cluster's Slurm: --slurm partition=cpu,time=02:00:00,throttle=200,chunk=20. What is
-// left empty is the cluster's own default.
+// left out is the cluster's own default.
 struct SlurmOptions {
-  std::string partition = {};
-  std::string time = {};  // of a task, as sbatch takes it
-  std::string account = {};
-  std::string qos = {};
-  std::string mem = {};       // of a task
-  std::int64_t throttle = 0;  // tasks that run at once; 0: no limit
-  std::int64_t chunk = 0;     // trials of a task, one after another; 0: as few as give at most 1000 tasks
+  std::map<std::string, std::string> sbatch = {};  // partition, account, qos; time and mem of a task
+  std::int64_t throttle = 0;                       // tasks that run at once; 0: no limit
+  std::int64_t chunk = 0;  // trials of a task, one after another; 0: as few as give at most 1000 tasks
 };
 
 // Throws Error on an unknown name or a bad value.

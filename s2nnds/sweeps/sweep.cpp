@@ -1,5 +1,8 @@
 #include "s2nnds/sweeps/sweep.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -21,13 +24,19 @@ std::string read_text(const std::string& path) {
   return text.str();
 }
 
-Config with_settings(const BaseConfig& base, const std::vector<std::string>& settings) {
-  return parse_config(with_overrides(base.text, base.path, settings), base.path);
+// Throws Error when the settings, of which `what` says where they come from, do not fit the configuration.
+Config try_settings(const BaseConfig& base, const std::vector<std::string>& settings,
+                    const std::string& what) {
+  try {
+    return parse_config(with_overrides(base.text, base.path, settings), base.path);
+  } catch (const Error& error) {
+    fail("{}: {}", what, error.what());
+  }
 }
 
-BaseConfig read_base(const std::string& sweep_path, const std::string& config) {
+BaseConfig read_base(const std::string& folder, const std::string& config) {
   BaseConfig base;
-  base.path = (fs::path(sweep_path).parent_path() / config).string();
+  base.path = (fs::path(folder) / config).string();
   base.text = read_config_text(base.path, {});
   base.name = parse_config(base.text, base.path).name;
   check(!base.name.empty() && base.name.find_first_of("/\n") == std::string::npos && base.name[0] != '.',
@@ -55,42 +64,45 @@ std::vector<std::string> settings_of(const Axis& axis, const std::string& value)
 }
 
 // One axis at a time: trying all combinations would take as long as the sweep has trials.
-void check_axes(const Sweep& sweep, const std::string& path) {
+void check_settings(const Sweep& sweep, const std::string& path) {
   for (const BaseConfig& base : sweep.configs) {
+    std::vector<std::string> settings = sweep.options.set;
+    if (sweep.options.rungs() > 1)
+      settings.push_back(fmt::format("{}={}", sweep.options.halving.key, sweep.options.halving.budgets[0]));
+    const Config config = try_settings(base, settings, path + ": " + base.path);
+    check(sweep.options.objective != "mse_validation" || !config.data.validation.empty(),
+          "{}: {}: objective mse_validation: expected demonstrations in data.validation, found none", path,
+          base.path);
     for (const Axis& axis : sweep.axes) {
       for (const std::string& value : axis.extremes()) {
-        std::vector<std::string> settings = sweep.options.set;
+        settings = sweep.options.set;
         for (const std::string& setting : settings_of(axis, value)) settings.push_back(setting);
-        try {
-          with_settings(base, settings);
-        } catch (const Error& error) {
-          fail("{}:{}: axes: {} = {}: {}", path, axis.line, axis.key, value, error.what());
-        }
+        try_settings(base, settings, fmt::format("{}:{}: axes: {} = {}", path, axis.line, axis.key, value));
       }
     }
   }
 }
 
-void check_bases(const Sweep& sweep, const std::string& path) {
-  for (const BaseConfig& base : sweep.configs) {
-    std::vector<std::string> settings = sweep.options.set;
-    if (sweep.options.rungs() > 1) {
-      settings.push_back(fmt::format("{}={}", sweep.options.halving.key, sweep.options.halving.budgets[0]));
-    }
-    try {
-      const Config config = with_settings(base, settings);
-      check(sweep.options.objective != "mse_validation" || !config.data.validation.empty(),
-            "objective mse_validation: expected demonstrations in data.validation, found none");
-    } catch (const Error& error) {
-      fail("{}: {}: {}", path, base.path, error.what());
-    }
+std::int64_t config_named(const Sweep& sweep, const std::string& name) {
+  const auto found = std::find_if(sweep.configs.begin(), sweep.configs.end(),
+                                  [&](const BaseConfig& base) { return base.name == name; });
+  check(found != sweep.configs.end(), "{}: trials: found no configuration of the name \"{}\"",
+        sweep.options.name, name);
+  return found - sweep.configs.begin();
+}
+
+void check_list(const Sweep& sweep, const std::string& path) {
+  check(sweep.axes.empty(), "{}: axes: expected none for the design list, found {}", path, sweep.axes.size());
+  for (std::int64_t id = 0; id < sweep.trials_a_rung(); ++id) {
+    const Trial trial = sweep.trial(id);
+    try_settings(sweep.configs[trial.config], sweep.settings(trial), fmt::format("{}: trial {}", path, id));
   }
 }
 
 }  // namespace
 
 std::int64_t Sweep::trials_a_point() const {
-  return pairs.empty() ? static_cast<std::int64_t>(configs.size() * options.seeds.size()) : 1;
+  return options.crossed ? static_cast<std::int64_t>(configs.size() * options.seeds.size()) : 1;
 }
 
 std::int64_t Sweep::trials_a_rung() const {
@@ -109,40 +121,67 @@ Trial Sweep::trial(std::int64_t id) const {
   trial.id = id;
   trial.rung = id / trials_a_rung();
   trial.point = id % trials_a_rung() / trials_a_point();
+  if (!options.trials.empty()) {
+    const ListedTrial& listed = options.trials[trial.point];
+    trial.config = config_named(*this, listed.config);
+    trial.seed = listed.seed;
+    trial.profile = listed.profile;
+    trial.test = listed.test;
+    return trial;
+  }
   const std::int64_t pair = pairs.empty() ? id % trials_a_point() : pairs[trial.point];
   trial.config = pair / seeds;
-  trial.seed = pair % seeds;
+  trial.seed = options.seeds[pair % seeds];
   return trial;
 }
 
+std::string Sweep::label(const Trial& trial) const {
+  std::string label = configs[trial.config].name;
+  if (!trial.test.empty()) label += fmt::format("-test{}", fmt::join(trial.test, "_"));
+  label += fmt::format("-seed{}", trial.seed);
+  return trial.profile.empty() ? label : label + "-" + trial.profile;
+}
+
 std::vector<std::string> Sweep::settings(const Trial& trial) const {
-  std::vector<std::string> all = options.set;
+  std::vector<std::string> all;
+  if (!trial.profile.empty()) all.push_back(fmt::format("profile=\"{}\"", trial.profile));
+  if (!trial.test.empty()) all.push_back(fmt::format("data.test=[{}]", fmt::join(trial.test, ", ")));
+  const auto add = [&all](const std::vector<std::string>& more) {
+    all.insert(all.end(), more.begin(), more.end());
+  };
+  if (!options.trials.empty()) add(options.trials[trial.point].set);
+  add(options.set);
   for (std::size_t k = 0; k < axes.size(); ++k) {
-    for (const std::string& setting : settings_of(axes[k], points[trial.point][k])) all.push_back(setting);
+    add(settings_of(axes[k], points[trial.point][k]));
   }
   if (options.rungs() > 1) {
     all.push_back(fmt::format("{}={}", options.halving.key, options.halving.budgets[trial.rung]));
   }
-  all.push_back(fmt::format("seed={}", options.seeds[trial.seed]));
+  all.push_back(fmt::format("seed={}", trial.seed));
   return all;
 }
 
 Sweep read_sweep(const std::string& path) {
+  return parse_sweep(read_text(path), path, fs::path(path).parent_path());
+}
+
+Sweep parse_sweep(const std::string& text, const std::string& path, const std::string& folder) {
   Sweep sweep;
-  sweep.text = read_text(path);
-  sweep.options = read_sweep_options(sweep.text, path);
-  sweep.axes = read_axes(sweep.text, path);
+  sweep.text = text;
+  sweep.options = read_sweep_options(text, path);
+  sweep.axes = read_axes(text, path);
   std::set<std::string> names;
   for (const std::string& config : sweep.options.configs) {
-    sweep.configs.push_back(read_base(path, config));
+    sweep.configs.push_back(read_base(folder, config));
     check(names.insert(sweep.configs.back().name).second,
           "{}: configs: found two of the name {}; expected different names", path, sweep.configs.back().name);
   }
   check_keys(sweep, path);
-  check_bases(sweep, path);
-  check_axes(sweep, path);
+  check_settings(sweep, path);
   sweep.points = make_design(sweep.options, sweep.axes);
-  if (!sweep.options.crossed) {
+  if (!sweep.options.trials.empty()) {
+    check_list(sweep, path);
+  } else if (!sweep.options.crossed) {
     sweep.pairs = pairs_in_turn(sweep.points.size(), sweep.configs.size() * sweep.options.seeds.size(),
                                 sweep.options.design_seed);
   }

@@ -15,13 +15,15 @@ struct BaseConfig {
 };
 
 // One run of a sweep. Its number says which: ((rung * points + point) * configs + config) * seeds + seed,
-// each counted from 0; its point's if the sweep is not crossed.
+// each counted from 0; that of its point if the sweep is not crossed.
 struct Trial {
   std::int64_t id = 0;
   std::int64_t rung = 0;
   std::int64_t point = 0;
   std::int64_t config = 0;
-  std::int64_t seed = 0;  // which of the sweep's seeds
+  std::int64_t seed = 0;
+  std::string profile;  // of a listed trial, as `test`
+  std::vector<std::int64_t> test;
 };
 
 struct Sweep {
@@ -30,12 +32,15 @@ struct Sweep {
   std::vector<Axis> axes;
   std::vector<BaseConfig> configs;
   std::vector<DesignPoint> points;
-  std::vector<std::int64_t> pairs;  // of each point, config * seeds + seed; empty when crossed
+  std::vector<std::int64_t> pairs;  // of each point, config * seeds + seed; empty when crossed or listed
 
   std::int64_t trials_a_point() const;
   std::int64_t trials_a_rung() const;  // if all points are in it
   Trial trial(std::int64_t id) const;  // throws Error when there is none of this number
   std::int64_t id_of(std::int64_t rung, std::int64_t point) const;  // of the point's first trial
+
+  // Its configuration, split, seed and profile in one word: "Sine-seed0", "Sine-test5_6-seed0-imitation".
+  std::string label(const Trial& trial) const;
 
   // "key=value" settings that make the base configuration the trial's own.
   std::vector<std::string> settings(const Trial& trial) const;
@@ -44,5 +49,8 @@ struct Sweep {
 // Reads the sweep's file and its configurations, and tries every value of every axis on each configuration,
 // so that a misspelt key or a value out of range is refused before anything starts. Throws Error.
 Sweep read_sweep(const std::string& path);
+
+// The same of a file's text, whose configurations are named relative to `folder`. `source` is for messages.
+Sweep parse_sweep(const std::string& text, const std::string& source, const std::string& folder);
 
 }  // namespace s2nnds

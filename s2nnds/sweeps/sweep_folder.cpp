@@ -48,20 +48,6 @@ bool is_larger(const Sweep& sweep, const std::string& text, const std::string& t
          read_sweep_options(there, path).points <= sweep.options.points;
 }
 
-template <typename Accepts>
-void freeze_file(const std::string& folder, const std::string& path, const std::string& text,
-                 const Accepts& accepts) {
-  if (fs::exists(path)) {
-    const std::string there = read_whole(path);
-    if (there == text) return;
-    check(accepts(there),
-          "{}: found another sweep in the folder {}; expected the same one to go on with, or the same with "
-          "more points (or choose another --out)",
-          path, folder);
-  }
-  write_atomic_file(path, text, "the sweep");
-}
-
 }  // namespace
 
 std::string SweepFolder::run_name(std::int64_t trial) { return stem(trial) + ".h5"; }
@@ -73,12 +59,19 @@ void SweepFolder::make_run_folder(std::int64_t trial) const {
 }
 
 void SweepFolder::freeze(const Sweep& sweep) const {
+  std::vector<std::pair<std::string, std::string>> files;  // path, text
+  for (const BaseConfig& base : sweep.configs) files.emplace_back(config(base), base.text);
+  files.emplace_back(sweep_file(), frozen_text(sweep));  // last: where it is, the others are
+  for (const auto& [path, text] : files) {
+    if (!fs::exists(path)) continue;
+    const std::string there = read_whole(path);
+    check(there == text || (path == sweep_file() && is_larger(sweep, text, there, path)),
+          "{}: found another sweep in the folder {}; expected the same one to go on with, or the same with "
+          "more points (or choose another --out)",
+          path, path_);
+  }
   make_folders(file("configs"));
-  const auto never = [](const std::string&) { return false; };
-  for (const BaseConfig& base : sweep.configs) freeze_file(path_, config(base), base.text, never);
-  const std::string text = frozen_text(sweep);  // last: where it is, the others are
-  freeze_file(path_, sweep_file(), text,
-              [&](const std::string& there) { return is_larger(sweep, text, there, sweep_file()); });
+  for (const auto& [path, text] : files) write_atomic_file(path, text, "the sweep");
 }
 
 }  // namespace s2nnds

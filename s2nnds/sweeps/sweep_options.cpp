@@ -29,14 +29,23 @@ void HalvingOptions::visit(FieldVisitor& v) {
   v.field("keep", keep, inside(0.0, 1.0));
 }
 
+void ListedTrial::visit(FieldVisitor& v) {
+  v.field("config", config);
+  v.field("seed", seed, at_least(0));
+  v.field("profile", profile);
+  v.field("test", test, at_least(0));
+  v.field("set", set);
+}
+
 void SweepOptions::visit(FieldVisitor& v) {
   v.field("name", name);
   v.field("configs", configs);
   v.field("seeds", seeds, at_least(0));
   v.field("set", set);
-  v.field("design", design, {"grid", "random", "sobol"});
+  v.field("design", design, {"grid", "random", "sobol", "list"});
   v.field("points", points, between(0, 1'000'000));
   v.field("design_seed", design_seed, at_least(0));
+  v.list("trials", trials);
   v.field("crossed", crossed);
   v.field("objective", objective,
           {"mse_train", "mse_validation", "sd_train", "dtw_train", "safe_area", "safe_area_ratio",
@@ -57,16 +66,18 @@ SweepOptions read_sweep_options(const std::string& text, const std::string& sour
   read_toml(with_overrides(text, source, {"axes={}"}), source, options);
   check_different(source, "configs", options.configs);
   check_different(source, "seeds", options.seeds);
-  check(options.design == "grid" || options.points >= 1,
-        "{}: points: expected at least 1 for the design {}, found {}", source, options.design,
-        options.points);
-  check(options.design != "grid" || options.points == 0,
-        "{}: points: a grid has as many as its axes say; expected none, found {}", source, options.points);
+  const bool drawn = options.design == "random" || options.design == "sobol";
+  check(drawn == (options.points >= 1), "{}: points: expected {} for the design {}, found {}", source,
+        drawn ? "at least 1" : "none", options.design, options.points);
+  const bool listed = options.design == "list";
+  check(listed == !options.trials.empty(), "{}: trials: expected {} for the design {}, found {}", source,
+        listed ? "at least one" : "none", options.design, options.trials.size());
+  if (listed) options.crossed = false;
   const auto& budgets = options.halving.budgets;
   check(std::is_sorted(budgets.begin(), budgets.end(), std::less_equal<>()),
         "{}: halving.budgets: expected each above the one before", source);
   check(options.crossed || budgets.empty(),
-        "{}: halving: it compares points, which needs crossed = true; found false", source);
+        "{}: halving: it compares points, which needs crossed = true and no list", source);
   check(!options.name.empty() && options.name.find_first_of("/\n") == std::string::npos,
         "{}: name: expected a file's name, found \"{}\"", source, options.name);
   return options;

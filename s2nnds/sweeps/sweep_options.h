@@ -18,6 +18,17 @@ struct HalvingOptions {
   void visit(FieldVisitor& v);
 };
 
+// One trial of the design "list".
+struct ListedTrial {
+  std::string config;  // the name that one of the sweep's configurations gives itself
+  std::int64_t seed = 0;
+  std::string profile = {};             // empty: the configuration's
+  std::vector<std::int64_t> test = {};  // test demonstrations; empty: the configuration's
+  std::vector<std::string> set = {};    // key=value, before the sweep's own `set`
+
+  void visit(FieldVisitor& v);
+};
+
 // A sweep's file, but for its table `axes` (axis.h). A point is one choice of values for all axes; it is
 // tried on every configuration with every seed, and is as good as those runs together. Not crossed: on one of
 // these pairs, so that as many runs show what each axis does (effects.h) rather than how good few points are.
@@ -27,11 +38,12 @@ struct SweepOptions {
   std::vector<std::int64_t> seeds = {0};
   std::vector<std::string> set;  // key=value, for every trial
 
-  std::string design = "grid";   // grid, random, sobol
-  std::int64_t points = 0;       // of random and sobol
-  std::int64_t design_seed = 0;  // of random; shifts sobol's points unless 0
-  bool crossed = true;           // else the points take the pairs of configuration and seed in turn, each
-                                 // time through in another random order
+  std::string design = "grid";      // grid, random, sobol, list
+  std::int64_t points = 0;          // of random and sobol
+  std::int64_t design_seed = 0;     // of random; shifts sobol's points unless 0
+  std::vector<ListedTrial> trials;  // of a list, which has no axes: each trial is a point, tried once
+  bool crossed = true;              // else the points take the pairs of configuration and seed in turn, each
+                                    // time through in another random order
 
   // What the summary of a run calls it. Figures of test demonstrations are not among the choices.
   std::string objective = "mse_train";

@@ -326,6 +326,9 @@ class CommandTest(ProgramTest):
         self.assertIn("verify", out)
 
 
+SHIPPED = ("--set", 'data={source="handwriting", motion="Sine", test=[5, 6]}')  # data that need no file
+
+
 class DriverTest(ProgramTest):
     """A driver of experiments/, which stands beside the program."""
 
@@ -353,25 +356,22 @@ class DriverTest(ProgramTest):
     def test_out_is_a_file(self):
         with open(self.path("runs"), "wb") as file:
             file.write(KEPT)
-        self.assert_refused(self.drive("--quick", "--out", "runs"), "runs", "folder", program="cluttered_sine")
+        self.assert_refused(self.drive("--quick", "--out", "runs", *SHIPPED), "runs", "folder", program="cluttered_sine")
         with open(self.path("runs"), "rb") as file:
             self.assertEqual(file.read(), KEPT)
 
     def test_a_run_of_another_configuration_stays(self):
         os.mkdir(self.path("runs"))
-        run = self.path("runs/cluttered_sine-seed0.h5")
-        for content, expected in ((self.trained(), "another configuration"), (None, "cluttered_sine-seed0.h5")):
-            if content:
-                shutil.copy(content, run)
-            else:
-                with open(run, "wb") as file:
-                    file.write(KEPT)
-            with open(run, "rb") as file:
-                before = file.read()
-            self.assert_refused(self.drive("--quick", "--out", "runs"), expected, program="cluttered_sine")
-            with open(run, "rb") as file:
-                self.assertEqual(file.read(), before)
-            self.assertEqual(os.listdir(self.path("runs")), ["cluttered_sine-seed0.h5"])
+        with open(self.path("runs/sweep.toml"), "w", encoding="utf-8") as file:
+            file.write('name = "another"\n')
+        result = self.drive("--quick", "--out", "runs", *SHIPPED)
+        self.assert_refused(result, "another sweep", "another --out", program="cluttered_sine")
+        with open(self.path("runs/sweep.toml"), encoding="utf-8") as file:
+            self.assertEqual(file.read(), 'name = "another"\n')
+
+    def test_data_that_are_not_there_leave_no_folder(self):
+        self.assert_refused(self.drive("--quick", "--out", "runs"), "Sine.mat", program="cluttered_sine")
+        self.assertFalse(os.path.exists(self.path("runs")))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import time
 import command_line
 import h5py
 import numpy as np
-from command_line import SINE, SMALL, ProgramTest, differences
+from command_line import PROJECT, SINE, SMALL, ProgramTest, differences
 
 TRIAL = {**SMALL, "networks.f.hidden": "[8]", "networks.V.hidden": "[8]", "networks.B.hidden": "[8]",
          "training.rounds": 2, "training.min_rounds": 1, "training.steps": 5, "training.warm_start.steps": 5,
@@ -72,6 +72,25 @@ class DryRunTest(SweepTest):
         self.assertEqual([t["seed"] for t in trials[:3]], [0, 1, 0])
         self.assertEqual(trials[2]["settings"][-3:], ["training.loss.decay_rate=0.1", "training.steps=6", "seed=0"])
         self.assertEqual(len({json.dumps(t["settings"]) for t in trials}), 12)
+
+    def test_the_sweeps_of_this_project_and_every_design_of_their_readme(self):
+        folder = os.path.join(PROJECT, "experiments/sweeps")
+        with open(os.path.join(folder, "handwriting.toml"), encoding="utf-8") as file:
+            example = file.read().replace("../configs", os.path.join(PROJECT, "experiments/configs"))
+        for lines, trials in (
+            ("", 12),
+            ('design = "random"\npoints = 16', 32),
+            ('design = "sobol"\npoints = 16', 32),
+            ('design = "sobol"\npoints = 16\ncrossed = false', 16),
+            ('halving = { key = "training.rounds", budgets = [8, 16, 40], keep = 0.33 }', 12),
+        ):
+            self.assertEqual(len(self.trials(example.replace("[axes]", lines + "\n[axes]"))), trials, lines)
+        listed = '[[trials]]\nconfig = "S"\nseed = 3\nprofile = "imitation"\ntest = [1, 5]\n'
+        trials = self.trials('design = "list"\n' + example[: example.index("[axes]")] + listed)
+        self.assertEqual([(trial["config"], trial["seed"]) for trial in trials], [("S", 3)])
+        self.assertIn("data.test=[1, 5]", trials[0]["settings"])
+        code, _, err = self.call("sweep", os.path.join(folder, "default.toml"), "--dry-run")
+        self.assertEqual(code, 0, err)
 
     def test_the_lines_for_people(self):
         self.write(sweep_text())
@@ -182,15 +201,17 @@ class LocalTest(SweepTest):
         self.assertNotIn("rank", printed)
         summary = json.loads(printed.splitlines()[-1])
         self.assertIsNone(summary["best"])
-        self.assertEqual([(row["axis"], row["from"], row["to"]) for row in summary["effects"]],
-                         [("training.rate_f", "0.0001", "0.01"), ("networks.f.hidden", "[8]", "[9]")])
-        self.assertEqual(summary["effects"][0]["mse_validation"]["trials"], 7)
         rows = self.rows()
         self.assertEqual([row["point"] for row in rows], [str(k) for k in range(7)])
         for first in (0, 2, 4):  # the two seeds take turns
             self.assertEqual({row["seed"] for row in rows[first : first + 2]}, {"0", "1"})
         with h5py.File(self.path("out/table.h5")) as file:
-            self.assertEqual(file["effects/mse_validation"][0], summary["effects"][0]["mse_validation"]["factor"])
+            ranges = [dict(file["trials"][name].attrs) for name in file.attrs["axes"]]
+            self.assertEqual([(axis["scale"], list(axis["values"])) for axis in ranges],
+                             [("log", ["0.0001", "0.01"]), ("list", ["[8]", "[9]"])])
+        printed, _ = self.sweep("--report")
+        self.assertIn("mse_validation (7)", printed)
+        self.assertIn("training.rate_f, 0.0001 -> 0.01", printed)
 
         # The same with more points keeps what there is; with fewer it is another sweep.
         before = os.stat(self.path("out/runs/0000/0000003.json")).st_mtime_ns

@@ -96,6 +96,7 @@ TEST(Ranking, ATrialsNumberSaysWhichItIs) {
 TEST(Ranking, ATrialThatIsNotCrossedIsItsPointOnOnePair) {
   Sweep sweep = three_points();
   sweep.configs.resize(2);
+  sweep.options.crossed = false;
   sweep.pairs = {3, 0, 2};
   EXPECT_EQ(sweep.trials_a_rung(), 3);
   const Trial trial = sweep.trial(2);

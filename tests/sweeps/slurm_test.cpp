@@ -11,11 +11,11 @@ namespace {
 
 TEST(Slurm, OptionsAreThoseOfSbatch) {
   const SlurmOptions options = parse_slurm("partition=cpu,time=1-02:00:00,throttle=200,chunk=20,mem=2G");
-  EXPECT_EQ(options.partition, "cpu");
-  EXPECT_EQ(options.time, "1-02:00:00");
+  EXPECT_EQ(options.sbatch.at("partition"), "cpu");
+  EXPECT_EQ(options.sbatch.at("time"), "1-02:00:00");
   EXPECT_EQ(options.throttle, 200);
   EXPECT_EQ(options.chunk, 20);
-  EXPECT_EQ(options.mem, "2G");
+  EXPECT_EQ(options.sbatch.at("mem"), "2G");
   EXPECT_THROW(parse_slurm("partition"), Error);
   EXPECT_THROW(parse_slurm("throttle=0"), Error);
   EXPECT_THROW(parse_slurm("partition=a b"), Error);
