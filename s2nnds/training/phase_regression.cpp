@@ -2,9 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <limits>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/dynamic_time_warping.h"
 
 namespace s2nnds {
 namespace {
@@ -69,26 +69,12 @@ Points matching_cost(const Points& state, const Points& mean) {
   return cost;
 }
 
-// Dynamic time warping: for each sample the mean of the phases that it is matched with, [M].
+// For each sample the mean of the phases that it is matched with, [M].
 Vector warped_phase(const Points& cost) {
-  const Eigen::Index samples = cost.rows();
-  Points total = Points::Constant(samples + 1, kPhases + 1, std::numeric_limits<double>::infinity());
-  total(0, 0) = 0.0;
-  for (Eigen::Index i = 0; i < samples; ++i) {
-    for (Eigen::Index k = 0; k < kPhases; ++k)
-      total(i + 1, k + 1) = cost(i, k) + std::min({total(i, k), total(i, k + 1), total(i + 1, k)});
-  }
-  Vector sum = Vector::Zero(samples), count = Vector::Zero(samples);
-  for (Eigen::Index i = samples, k = kPhases; i > 0 && k > 0;) {
-    sum[i - 1] += phase(k - 1);
-    count[i - 1] += 1.0;
-    const double both = total(i - 1, k - 1), sample = total(i - 1, k), other = total(i, k - 1);
-    if (sample < both || other < both) {
-      --(sample <= other ? i : k);
-    } else {
-      --i;
-      --k;
-    }
+  Vector sum = Vector::Zero(cost.rows()), count = sum;
+  for (const auto& [sample, k] : warp(cost).pairs) {
+    sum[sample] += phase(k);
+    count[sample] += 1.0;
   }
   return sum.cwiseQuotient(count);
 }
