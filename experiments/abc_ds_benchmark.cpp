@@ -58,18 +58,14 @@ std::vector<ListedTrial> trials(const Arguments& arguments) {
 
 // The polynomials on the test demonstrations of a run.
 json measure(const PublishedAbcDs& published, const PreparedRun& setup) {
-  const std::vector<Demonstration> test = setup.test();
-  const Points velocity = stack_velocities(test), predicted = published.velocity(stack_positions(test));
-  double warped = 0.0;
-  for (const Demonstration& demonstration : test)
-    warped += dtw(demonstration.position,
-                  published.roll_out_at(demonstration.position.row(0).transpose(), demonstration.time)) /
-              static_cast<double>(test.size());
-  return {{"mse_test", mean_squared_error(predicted, velocity)},
-          {"sd_test", error_deviation(predicted, velocity)},
-          {"dtw_test", warped},
-          {"safe_area", published.safe_area()},
-          {"true_safe_area", published.true_safe_area(setup.problem)}};
+  const StateFunction f = state_function(published.f);
+  const MotionErrors errors = motion_errors(f, setup.test());
+  const SafeArea area = measure_safe_area(f, state_function(published.B), on_unit_square(setup.problem), 400);
+  return {{"mse_test", errors.mse},
+          {"sd_test", errors.sd},
+          {"dtw_test", errors.dtw},
+          {"safe_area", area.safe_area},
+          {"true_safe_area", area.true_safe_area}};
 }
 
 json terms_of(const std::vector<Polynomial>& polynomials) {

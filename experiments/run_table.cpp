@@ -153,11 +153,11 @@ Table table_of_robustness(const std::vector<Run>& runs, const std::string& data)
     if (free == runs.end()) continue;
     const RunRecord record = certified.record();
     const PreparedRun setup = prepare(record, data);
-    const auto ours =
-        measure_robustness(record.networks.f, certified.guaranteed() ? &record.networks.B : nullptr,
-                           setup.problem, setup.demonstrations, 0);
+    std::optional<StateFunction> B;
+    if (certified.guaranteed()) B = record.networks.B;
+    const auto ours = measure_robustness(record.networks.f, B, setup.problem, setup.demonstrations, 0);
     const auto theirs =
-        measure_robustness(free->record().networks.f, nullptr, setup.problem, setup.demonstrations, 0);
+        measure_robustness(free->record().networks.f, {}, setup.problem, setup.demonstrations, 0);
     for (std::size_t k = 0; k < ours.size(); ++k) {
       const auto cell = [](double value) { return number_cell(value, "{:.3f}"); };
       table.rows.push_back(

@@ -7,12 +7,19 @@
 
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/core/random.h"
+#include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/problem/boundary_points.h"
 
 namespace s2nnds {
 namespace {
 
 constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+constexpr int kSobolStarts = 400;  // in more than three dimensions, where a grid has too many
+
+struct Start {
+  Vector position;
+  Vector push = {};  // the displacement in mid-motion, empty: none
+};
 
 struct Motion {
   Points path;
@@ -24,27 +31,23 @@ struct Motion {
 };
 
 bool is_free(const SafetyProblem& problem, const Vector& x) {
-  const Points at = x.transpose();
-  return problem.workspace.contains(x) && problem.unsafe->level(at)[0] > 0.0;
+  return problem.workspace.contains(x) && problem.unsafe->level(x.transpose())[0] > 0.0;
 }
 
-Motion follow(const NetworkWeights& f, const SafetyProblem& problem, const Vector& start,
+Motion follow(const StateFunction& f, const SafetyProblem& problem, const Vector& start,
               const RolloutOptions& options) {
   const Rollout rollout = roll_out(f, problem, start, options);
-  return {rollout.position,
-          rollout.stop,
-          rollout.time.size() > 0 ? rollout.time[rollout.time.size() - 1] : 0.0,
-          {start}};
+  return {rollout.position, rollout.stop, rollout.time[rollout.time.size() - 1], {start}};
 }
 
-Motion follow_pushed(const NetworkWeights& f, const SafetyProblem& problem, const Vector& start,
-                     const Vector& push, const RolloutOptions& options) {
-  const Motion whole = follow(f, problem, start, options);
-  if (whole.stop != StopReason::reached_goal) return whole;
+Motion follow_pushed(const StateFunction& f, const SafetyProblem& problem, const Start& start,
+                     const RolloutOptions& options) {
+  const Motion whole = follow(f, problem, start.position, options);
+  if (start.push.size() == 0 || whole.stop != StopReason::reached_goal) return whole;
   RolloutOptions half = options;
   half.duration = 0.5 * whole.duration;
-  Motion motion = follow(f, problem, start, half);
-  const Vector moved = motion.path.row(motion.path.rows() - 1).transpose() + push;
+  Motion motion = follow(f, problem, start.position, half);
+  const Vector moved = motion.path.row(motion.path.rows() - 1).transpose() + start.push;
   motion.placed.push_back(moved);
   if (!is_free(problem, moved)) {
     motion.stop = problem.workspace.contains(moved) ? StopReason::entered_unsafe : StopReason::left_workspace;
@@ -89,28 +92,9 @@ class Obstacle {
   double gap_ = 0.0;  // the farthest of all from the few
 };
 
-bool is_covered(const Motion& motion, const NetworkWeights& barrier) {
+bool is_covered(const Motion& motion, const StateFunction& B) {
   return std::all_of(motion.placed.begin(), motion.placed.end(),
-                     [&](const Vector& x) { return barrier.value(Points(x.transpose()))(0, 0) <= 0.0; });
-}
-
-Points grid_of(const SafetyProblem& problem, int side) {
-  const Eigen::Index n = problem.dimension();
-  Eigen::Index count = 1;
-  for (Eigen::Index k = 0; k < n; ++k) count *= side;
-  std::vector<Vector> kept;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    Vector x(n);
-    Eigen::Index rest = i;
-    for (Eigen::Index k = 0; k < n; ++k, rest /= side) {
-      const double share = (static_cast<double>(rest % side) + 0.5) / side;
-      x[k] = problem.workspace.lower[k] + share * (problem.workspace.upper[k] - problem.workspace.lower[k]);
-    }
-    if (is_free(problem, x)) kept.push_back(x);
-  }
-  Points grid(static_cast<Eigen::Index>(kept.size()), n);
-  for (std::size_t i = 0; i < kept.size(); ++i) grid.row(static_cast<Eigen::Index>(i)) = kept[i].transpose();
-  return grid;
+                     [&](const Vector& x) { return B.value(x.transpose())(0, 0) <= 0.0; });
 }
 
 Vector normal(Eigen::Index n, RandomStream& random) {
@@ -119,8 +103,17 @@ Vector normal(Eigen::Index n, RandomStream& random) {
   return v;
 }
 
+std::vector<Start> grid_starts(const SafetyProblem& problem, int cells) {
+  const Points x = evaluation_points(problem.workspace, cells);
+  std::vector<Start> starts;
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    if (is_free(problem, x.row(i).transpose())) starts.push_back({x.row(i).transpose()});
+  }
+  return starts;
+}
+
 MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& motions,
-                        const NetworkWeights* barrier, const Obstacle& obstacle) {
+                        const std::optional<StateFunction>& B, const Obstacle& obstacle) {
   MotionOutcomes found{.starts = starts,
                        .motions = static_cast<std::int64_t>(motions.size()),
                        .covered_converged = kNotMeasured,
@@ -137,7 +130,7 @@ MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& mo
   std::int64_t converged = 0, safe = 0, covered_converged = 0;
   for (const Motion& motion : motions) {
     const bool arrived = motion.stop == StopReason::reached_goal;
-    const bool covered = barrier && is_covered(motion, *barrier);
+    const bool covered = B && is_covered(motion, *B);
     converged += arrived;
     safe += motion.is_safe();
     found.covered += covered;
@@ -162,7 +155,7 @@ MotionOutcomes outcomes(const std::string& starts, const std::vector<Motion>& mo
 
 }  // namespace
 
-std::vector<MotionOutcomes> measure_robustness(const NetworkWeights& f, const NetworkWeights* barrier,
+std::vector<MotionOutcomes> measure_robustness(const StateFunction& f, const std::optional<StateFunction>& B,
                                                const SafetyProblem& problem,
                                                const std::vector<Demonstration>& demonstrations,
                                                std::uint64_t seed, const RobustnessOptions& options) {
@@ -171,49 +164,32 @@ std::vector<MotionOutcomes> measure_robustness(const NetworkWeights& f, const Ne
   const Obstacle obstacle(boundary_points(problem.unsafe, problem.workspace,
                                           (n == 2 ? 1 : 8) * options.boundary_samples, boundary_random)
                               .point);
-
-  const auto all = [&](Eigen::Index count, const std::function<Motion(Eigen::Index)>& one) {
-    std::vector<Motion> motions(static_cast<std::size_t>(count));
-    parallel_for(count, [&](std::ptrdiff_t i, int) { motions[i] = one(i); });
-    return motions;
-  };
-  std::vector<MotionOutcomes> found;
-  const Points grid = grid_of(problem, n == 2 ? options.grid : std::min(options.grid, 8));
-  found.push_back(outcomes(
-      "grid",
-      all(grid.rows(),
-          [&](Eigen::Index i) { return follow(f, problem, grid.row(i).transpose(), options.rollout); }),
-      barrier, obstacle));
-
+  std::vector<Start> perturbed, pushed;
   RandomStream beside(seed, "robustness/perturbed"), pushing(seed, "robustness/pushed");
-  std::vector<Vector> perturbed, own, pushes;
   for (const Demonstration& demonstration : demonstrations) {
     const Vector start = demonstration.position.row(0).transpose();
     for (int k = 0; k < options.repetitions; ++k) {
       Vector moved = start + options.perturbation * normal(n, beside);
       for (int attempt = 0; attempt < 100 && !is_free(problem, moved); ++attempt)
         moved = start + options.perturbation * normal(n, beside);
-      perturbed.push_back(is_free(problem, moved) ? moved : start);
-      own.push_back(start);
-      pushes.push_back(options.push * normal(n, pushing).normalized());
+      perturbed.push_back({is_free(problem, moved) ? moved : start});
+      pushed.push_back({start, options.push * normal(n, pushing).normalized()});
     }
   }
-  const auto count = static_cast<Eigen::Index>(own.size());
-  if (count == 0) return found;
-  found.push_back(outcomes("perturbed",
-                           all(count,
-                               [&](Eigen::Index i) {
-                                 return follow(f, problem, perturbed[static_cast<std::size_t>(i)],
-                                               options.rollout);
-                               }),
-                           barrier, obstacle));
-  found.push_back(outcomes("pushed",
-                           all(count,
-                               [&](Eigen::Index i) {
-                                 const auto k = static_cast<std::size_t>(i);
-                                 return follow_pushed(f, problem, own[k], pushes[k], options.rollout);
-                               }),
-                           barrier, obstacle));
+  std::vector<MotionOutcomes> found;
+  const auto measure = [&](const std::string& name, const std::vector<Start>& starts) {
+    std::vector<Motion> motions(starts.size());
+    parallel_for(static_cast<std::ptrdiff_t>(starts.size()), [&](std::ptrdiff_t i, int) {
+      motions[i] = follow_pushed(f, problem, starts[i], options.rollout);
+    });
+    found.push_back(outcomes(name, motions, B, obstacle));
+  };
+  measure("grid", grid_starts(problem, n == 2   ? options.grid
+                                       : n == 3 ? std::min(options.grid, 8)
+                                                : kSobolStarts));
+  if (perturbed.empty()) return found;
+  measure("perturbed", perturbed);
+  measure("pushed", pushed);
   return found;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,37 +9,43 @@
 
 namespace s2nnds {
 
+// Lengths in normalised units.
 struct RobustnessOptions {
-  int grid = 20;         // starts a side of a grid over the workspace (8 in 3-D); those in Xu are left out
-  int repetitions = 10;  // perturbed starts and pushes of each demonstration's start
+  // Starts a side of a grid over the workspace (at most 8 in 3-D; 400 Sobol points in more dimensions).
+  int grid = 20;
+  int repetitions = 10;                  // perturbed starts, and pushes, of each demonstration's first point
   double perturbation = 0.1;             // standard deviation, per axis, of what is added to a start
   double push = 0.1;                     // length of the displacement in mid-motion, in a random direction
-  std::int64_t boundary_samples = 4000;  // of Xu, to measure distances to (eight times as many in 3-D)
+  std::int64_t boundary_samples = 4000;  // of Xu's boundary, to measure distances to (8 times as many in 3-D)
   RolloutOptions rollout = {};
 };
 
-// How a set of motions ended. Normalised units.
+// How a set of motions ended. A motion is safe if it neither touches Xu nor leaves X, as far as it can be
+// followed. Normalised units; shares are in [0, 1].
 struct MotionOutcomes {
   std::string starts;  // "grid", "perturbed", "pushed"
   std::int64_t motions = 0;
-  double converged = 0.0;  // share that reached the goal (without touching Xu or leaving X)
-  double safe = 0.0;       // share that neither touched Xu nor left X, as far as it could be followed at all
-  // Of motions that start in {B <= 0} and whose displacement, if any, ends there: what a certificate of f and
-  // B speaks of. 0 of them without a B.
+  double converged = 0.0;  // share that reaches the goal and is safe on its way
+  double safe = 0.0;       // share that is safe
+  // Number of motions that a certificate of f and B speaks of: they start in {B <= 0}, and the displacement,
+  // if any, ends there. 0 without a B.
   std::int64_t covered = 0;
-  double covered_converged = 0.0;  // share of these that reached the goal, NaN if there are none
-  double closest = 0.0;            // least distance of a safe motion's points to Xu, NaN if none is safe
+  double covered_converged = 0.0;  // share of these that converges, NaN if there are none
+  double closest = 0.0;            // least distance of a safe motion to Xu, NaN if none is safe
   double mean_closest = 0.0;       // mean over the safe motions of their least distances
-  double time_to_goal = 0.0;       // median over those that converged, NaN if none did
+  double time_to_goal = 0.0;       // median over those that converge, NaN if none does
 };
 
-// Rolls f out from a grid of starts, from starts beside the demonstrations' first points, and from those
-// first points with a sudden displacement half way (of the time to the goal; none where the motion does not
-// arrive even so); a displacement that ends in Xu or outside X counts as unsafe. As in roll_out, entering the
-// margin is leaving X. Random numbers: streams "robustness/..." of `seed`. Distances are measured to samples
-// of Xu's boundary, so they are too large, by the largest gap between these at most; NaN without an obstacle.
-// `barrier`: the B that f was certified with, if any.
-std::vector<MotionOutcomes> measure_robustness(const NetworkWeights& f, const NetworkWeights* barrier,
+// Follows f from three sets of starts, in this order:
+// - "grid": a grid over the workspace, without the points in Xu;
+// - "perturbed": starts near the demonstrations' first points;
+// - "pushed": those first points, with a sudden displacement after half the time to the goal (none if the
+//   motion does not reach the goal without it). A displacement that ends in Xu or outside X is unsafe.
+// The latter two are left out if there are no demonstrations. As in roll_out, a motion that enters the
+// workspace margin has left X. Distances are to samples of Xu's boundary, so they are too large by at most
+// the largest gap between samples; NaN without an obstacle. Random numbers: streams "robustness/..." of
+// `seed`. B: the barrier function that f was certified with, if any.
+std::vector<MotionOutcomes> measure_robustness(const StateFunction& f, const std::optional<StateFunction>& B,
                                                const SafetyProblem& problem,
                                                const std::vector<Demonstration>& demonstrations,
                                                std::uint64_t seed, const RobustnessOptions& options = {});

@@ -11,7 +11,6 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/evaluation/rollout_events.h"
-#include "s2nnds/networks/evaluator.h"
 
 namespace s2nnds {
 namespace {
@@ -26,7 +25,7 @@ constexpr int kBisections = 40;  // of a sub-step: to 1e-12 of it
 // xdot = f(x), followed step by step; between the ends of a step the method's own interpolation holds.
 class Motion {
  public:
-  Motion(const NetworkWeights& f, const Vector& start, const RolloutOptions& options)
+  Motion(const StateFunction& f, const Vector& start, const RolloutOptions& options)
       : field_(f),
         point_(1, start.size()),
         stepper_(odeint::make_dense_output(options.absolute_tolerance, options.relative_tolerance,
@@ -63,7 +62,7 @@ class Motion {
     velocity.assign(found.data(), found.data() + found.size());
   }
 
-  Evaluator field_;
+  const StateFunction& field_;
   Points point_;  // [1, n]
   odeint::result_of::make_dense_output<odeint::runge_kutta_dopri5<State>>::type stepper_;
   State interpolated_;
@@ -154,9 +153,10 @@ StopReason record(Motion& motion, const RolloutEvents& events, const Samples& sa
   return StopReason::time_out;
 }
 
-void check_start(const Vector& start, const char* where) {
+void check_start(const StateFunction& f, const Vector& start, const char* where) {
   check(start.size() > 0 && start.allFinite(),
         "{}: found a start that is empty or not finite, expected numbers", where);
+  check_outputs(f, start, start.size(), where);
 }
 
 }  // namespace
@@ -186,12 +186,12 @@ void RolloutOptions::visit(FieldVisitor& v) {
   v.field("stop_at_unsafe", stop_at_unsafe);
 }
 
-Rollout roll_out(const NetworkWeights& f, const SafetyProblem& problem, const Vector& start,
+Rollout roll_out(const StateFunction& f, const SafetyProblem& problem, const Vector& start,
                  const RolloutOptions& options) {
   validate(options);
-  check_vector_field(f, problem.dimension(), "roll_out");
-  check_vector_field(f, start.size(), "roll_out");
-  check_start(start, "roll_out");
+  check_start(f, start, "roll_out");
+  check(start.size() == problem.dimension(), "roll_out: found a start of dimension {}, expected {}",
+        start.size(), problem.dimension());
   const RolloutEvents events(problem, options.goal_radius, options.stop_at_goal, options.stop_at_unsafe);
   Motion motion(f, start, options);
   Recorder recorder(start.size());
@@ -206,11 +206,10 @@ Rollout roll_out(const NetworkWeights& f, const SafetyProblem& problem, const Ve
   return recorder.finish(stop);
 }
 
-Points roll_out_at(const NetworkWeights& f, const Vector& start, const Vector& times,
+Points roll_out_at(const StateFunction& f, const Vector& start, const Vector& times,
                    const RolloutOptions& options) {
   validate(options);
-  check_vector_field(f, start.size(), "roll_out_at");
-  check_start(start, "roll_out_at");
+  check_start(f, start, "roll_out_at");
   Motion motion(f, start, options);
   Points position(times.size(), start.size());
   double reached = 0.0;

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "s2nnds/networks/network_weights.h"
+#include "s2nnds/evaluation/state_function.h"
 #include "s2nnds/problem/safety_problem.h"
 
 namespace s2nnds {
@@ -33,19 +33,19 @@ struct Rollout {
 // on the dense output in sub-steps of at most 0.005 of length, so that a set is noticed if the motion stays
 // in it that long (a single step longer than 5 is looked at 1,024 times); the moment of entry is bisected.
 // After 50,000 steps the motion counts as failed. Leaving the workspace includes entering the workspace margin. The last
-// point is where the motion stopped. f must be n -> n; throws Error on other dimensions.
-Rollout roll_out(const NetworkWeights& f, const SafetyProblem& problem, const Vector& start,
+// point is where the motion stopped. Throws Error unless f maps n -> n.
+Rollout roll_out(const StateFunction& f, const SafetyProblem& problem, const Vector& start,
                  const RolloutOptions& options = {});
 
 // The position at each of `times` (ascending, normalised, from 0): [M, n]; never stops early. Rows after a
 // failed step (the motion escapes to infinity) are NaN.
-Points roll_out_at(const NetworkWeights& f, const Vector& start, const Vector& times,
+Points roll_out_at(const StateFunction& f, const Vector& start, const Vector& times,
                    const RolloutOptions& options = {});
 
-// Labels for many starts at once: true where the rollout reaches the goal without touching the unsafe set or
+// For many starts [N, n] at once, labels [N]: true where the rollout reaches the goal without touching the unsafe set or
 // leaving the workspace (or entering the workspace margin). All points advance together by Bogacki-Shampine 3(2)
 // (Bogacki, Shampine 1989), each with a step of its own; sets are looked for every 0.005 of length, as in
-// roll_out. For training labels and areas, not proofs.
+// roll_out. Takes f.quick_value. For training labels and areas, not proofs.
 struct BatchRolloutOptions {
   double step = 0.5;        // longest step, normalised time
   double tolerance = 3e-4;  // largest local error of a step, normalised position
@@ -53,7 +53,7 @@ struct BatchRolloutOptions {
   double duration = 40.0;
   double goal_radius = 0.02;
 };
-std::vector<bool> rollout_is_safe(const NetworkWeights& f, const SafetyProblem& problem, const Points& starts,
+std::vector<bool> rollout_is_safe(const StateFunction& f, const SafetyProblem& problem, const Points& starts,
                                   const BatchRolloutOptions& options = {});
 
 }  // namespace s2nnds

@@ -1,7 +1,5 @@
 #include "s2nnds/evaluation/rollout_events.h"
 
-#include "s2nnds/core/check.h"
-
 namespace s2nnds {
 namespace {
 
@@ -35,12 +33,6 @@ std::vector<StopReason> RolloutEvents::at(const Points& x) const {
     mark(inside(problem_.unsafe, x), StopReason::entered_unsafe, reasons);
   }
   return reasons;
-}
-
-void check_vector_field(const NetworkWeights& f, Eigen::Index dimension, const char* where) {
-  check(f.input_dimension() == dimension && f.output_dimension() == dimension,
-        "{}: found a vector field {} -> {}, expected {} -> {}", where, f.input_dimension(),
-        f.output_dimension(), dimension, dimension);
 }
 
 }  // namespace s2nnds

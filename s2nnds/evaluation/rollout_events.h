@@ -29,7 +29,4 @@ class RolloutEvents {
   bool at_sets_;
 };
 
-// Throws Error unless f maps the dimension to itself.
-void check_vector_field(const NetworkWeights& f, Eigen::Index dimension, const char* where);
-
 }  // namespace s2nnds

@@ -49,6 +49,18 @@ Points sobol_points(const Box& within, int count) {
   return x;
 }
 
+// How many of the points have B <= 0.
+Eigen::Index count_inside(const StateFunction& B, const Points& x) {
+  check_outputs(B, x.row(0), 1, "area");
+  return (B.value(x).array() <= 0.0).count();
+}
+
+double area_of(Eigen::Index hits, Eigen::Index points, const Box& within) {
+  return within.volume() * static_cast<double>(hits) / static_cast<double>(points);
+}
+
+}  // namespace
+
 Points evaluation_points(const Box& within, int cells) {
   check(cells > 0, "area: found cells = {}, expected > 0", cells);
   check(within.lower.allFinite() && within.upper.allFinite(),
@@ -57,31 +69,19 @@ Points evaluation_points(const Box& within, int cells) {
   return grid ? grid_points(within, cells) : sobol_points(within, cells);
 }
 
-// Each point stands for an equal share of the box.
-double area_of(Eigen::Index hits, Eigen::Index points, const Box& within) {
-  return within.volume() * static_cast<double>(hits) / static_cast<double>(points);
-}
-
-}  // namespace
-
-SafeArea measure_safe_area(const Networks& networks, const SafetyProblem& problem, int cells,
-                           const BatchRolloutOptions& options) {
+SafeArea measure_safe_area(const StateFunction& f, const StateFunction& B, const SafetyProblem& problem,
+                           int cells, const BatchRolloutOptions& options) {
   check(cells >= 0, "area: found cells = {}, expected >= 0", cells);
   const Points x =
       evaluation_points(problem.workspace, cells > 0 ? cells : default_cells(problem.dimension()));
-  const Eigen::Index certified = (networks.B.value(x).col(0).array() <= 0.0).count();
-  const std::vector<bool> safe = rollout_is_safe(networks.f, problem, x, options);
-  return {.safe_area = area_of(certified, x.rows(), problem.workspace),
+  const std::vector<bool> safe = rollout_is_safe(f, problem, x, options);
+  return {.safe_area = area_of(count_inside(B, x), x.rows(), problem.workspace),
           .true_safe_area = area_of(std::count(safe.begin(), safe.end(), true), x.rows(), problem.workspace)};
 }
 
-double sublevel_area(const std::function<Vector(const Points&)>& level, const Box& within, int cells) {
+double sublevel_area(const StateFunction& B, const Box& within, int cells) {
   const Points x = evaluation_points(within, cells);
-  return area_of((level(x).array() <= 0.0).count(), x.rows(), within);
-}
-
-double sublevel_area(const NetworkWeights& B, const Box& within, int cells) {
-  return sublevel_area([&](const Points& x) -> Vector { return B.value(x).col(0); }, within, cells);
+  return area_of(count_inside(B, x), x.rows(), within);
 }
 
 }  // namespace s2nnds

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <functional>
-
 #include "s2nnds/evaluation/rollout.h"
 
 namespace s2nnds {
@@ -14,11 +12,14 @@ struct SafeArea {
 
 // On a grid of cell centres, `cells` along each side (0: 200 in 2-D, 40 in 3-D); in more dimensions on that
 // many Sobol points in all (0: 40,000). The true area follows each point's motion with rollout_is_safe.
-SafeArea measure_safe_area(const Networks& networks, const SafetyProblem& problem, int cells = 0,
-                           const BatchRolloutOptions& options = {});
+SafeArea measure_safe_area(const StateFunction& f, const StateFunction& B, const SafetyProblem& problem,
+                           int cells = 0, const BatchRolloutOptions& options = {});
 
-// The area of {level <= 0} alone within any finite box, on such a grid; `level` maps [N, n] to [N].
-double sublevel_area(const std::function<Vector(const Points&)>& level, const Box& within, int cells);
-double sublevel_area(const NetworkWeights& B, const Box& within, int cells);
+// The area of {B <= 0} alone within any finite box, on such a grid.
+double sublevel_area(const StateFunction& B, const Box& within, int cells);
+
+// The points of such a grid, each of which stands for an equal share of the box: [cells^n, n], the last axis
+// running fastest, or [cells, n] in more than three dimensions.
+Points evaluation_points(const Box& within, int cells);
 
 }  // namespace s2nnds

@@ -1,11 +1,10 @@
 #include "s2nnds/evaluation/trajectory_metrics.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/dynamic_time_warping.h"
 
 namespace s2nnds {
 namespace {
@@ -18,34 +17,6 @@ Vector error_norms(const Points& predicted, const Points& velocity) {
         "least one row",
         predicted.rows(), predicted.cols(), velocity.rows(), velocity.cols());
   return (predicted - velocity).rowwise().norm();
-}
-
-struct WarpingPath {
-  double cost = 0.0;
-  Eigen::Index length = 0;
-
-  bool operator<(const WarpingPath& other) const {
-    return cost < other.cost || (cost == other.cost && length < other.length);
-  }
-};
-
-// The cheapest warping path between curves of `rows` and `cols` samples, the shortest of these. Row by row.
-template <typename Distance>
-WarpingPath cheapest_path(Eigen::Index rows, Eigen::Index cols, const Distance& distance) {
-  const WarpingPath unreachable{std::numeric_limits<double>::infinity(), 0};
-  std::vector<WarpingPath> above(static_cast<std::size_t>(cols) + 1, unreachable);
-  std::vector<WarpingPath> row = above;
-  above[0] = {};
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    row[0] = unreachable;
-    for (Eigen::Index j = 0; j < cols; ++j) {
-      const auto at = static_cast<std::size_t>(j) + 1;
-      const WarpingPath best = std::min(above[at - 1], std::min(above[at], row[at - 1]));
-      row[at] = {best.cost + distance(i, j), best.length + 1};
-    }
-    std::swap(above, row);
-  }
-  return above.back();
 }
 
 void check_curves(const Points& a, const Points& b) {
@@ -68,9 +39,10 @@ double error_deviation(const Points& predicted, const Points& velocity) {
 double dtw(const Points& a, const Points& b) {
   check_curves(a, b);
   if (!a.allFinite() || !b.allFinite()) return kNotANumber;
-  const auto distance = [&](Eigen::Index i, Eigen::Index j) { return (a.row(i) - b.row(j)).norm(); };
-  const WarpingPath path = cheapest_path(a.rows(), b.rows(), distance);
-  return path.cost / static_cast<double>(path.length);
+  Points distance(a.rows(), b.rows());
+  for (Eigen::Index j = 0; j < b.rows(); ++j) distance.col(j) = (a.rowwise() - b.row(j)).rowwise().norm();
+  const WarpingPath path = warp(distance);
+  return path.cost / static_cast<double>(path.pairs.size());
 }
 
 double dtw_independent(const Points& a, const Points& b) {
@@ -78,15 +50,14 @@ double dtw_independent(const Points& a, const Points& b) {
   if (!a.allFinite() || !b.allFinite()) return kNotANumber;
   double sum = 0.0;
   for (Eigen::Index k = 0; k < a.cols(); ++k) {
-    const Vector p = a.col(k);
-    const Vector q = b.col(k);
-    const auto distance = [&](Eigen::Index i, Eigen::Index j) { return (p[i] - q[j]) * (p[i] - q[j]); };
-    sum += cheapest_path(p.size(), q.size(), distance).cost;
+    Points squared(a.rows(), b.rows());
+    for (Eigen::Index j = 0; j < b.rows(); ++j) squared.col(j) = (a.col(k).array() - b(j, k)).square();
+    sum += warp(squared).cost;
   }
   return std::sqrt(sum);
 }
 
-MotionErrors motion_errors(const NetworkWeights& f, const std::vector<Demonstration>& demonstrations,
+MotionErrors motion_errors(const StateFunction& f, const std::vector<Demonstration>& demonstrations,
                            const RolloutOptions& options) {
   if (demonstrations.empty()) return {kNotANumber, kNotANumber, kNotANumber, kNotANumber};
   const Points velocity = stack_velocities(demonstrations);

@@ -74,8 +74,8 @@ void evaluate(const PreparedRun& setup, RunRecord& record) {
   if (!setup.data.split.validation.empty()) {
     summary.mse_validation = motion_errors(networks.f, setup.validation(), rollout).mse;
   }
-  const SafeArea area =
-      measure_safe_area(networks, setup.problem, static_cast<int>(setup.config.evaluation.area_cells));
+  const SafeArea area = measure_safe_area(networks.f, networks.B, setup.problem,
+                                          static_cast<int>(setup.config.evaluation.area_cells));
   summary.safe_area = area.safe_area;
   summary.true_safe_area = area.true_safe_area;
   summary.safe_area_ratio = area.ratio();

@@ -36,8 +36,8 @@ RegionOptions ball(double x, double y, double radius) {
 TEST(Robustness, OfAContractionIsKnownInClosedForm) {
   // xdot = -x: straight lines to the goal, there within 0.02 after log(r / 0.02).
   const SafetyProblem problem = problem_with(ball(0.0, 0.5, 0.1));
-  const auto found = measure_robustness(linear(Points{{-1.0, 0.0}, {0.0, -1.0}}), nullptr, problem,
-                                        starting_at(0.8, 0.0), 1);
+  const auto found =
+      measure_robustness(linear(Points{{-1.0, 0.0}, {0.0, -1.0}}), {}, problem, starting_at(0.8, 0.0), 1);
   ASSERT_EQ(found.size(), 3U);
   for (const MotionOutcomes& outcomes : found) EXPECT_DOUBLE_EQ(outcomes.converged, outcomes.safe);
   // Of the grid the ball stops what starts in the cone behind it.
@@ -60,7 +60,7 @@ TEST(Robustness, OfADriftIsNil) {
   const NetworkWeights drift = {
       .layers = {
           {.weight = Points::Zero(2, 2), .bias = Vector{{1.0, 0.0}}, .activation = Activation::identity}}};
-  const auto found = measure_robustness(drift, nullptr, problem_with({}), starting_at(0.0, 0.5), 1);
+  const auto found = measure_robustness(drift, {}, problem_with({}), starting_at(0.0, 0.5), 1);
   for (const MotionOutcomes& outcomes : found) {
     EXPECT_LE(outcomes.converged, 0.1);
     EXPECT_TRUE(std::isnan(outcomes.closest)) << "there is no obstacle";
@@ -72,9 +72,9 @@ TEST(Robustness, SameSeedSameFigures) {
   const SafetyProblem problem = problem_with(ball(0.0, 0.5, 0.1));
   const NetworkWeights f = linear(Points{{-1.0, -2.0}, {2.0, -1.0}});
   const RobustnessOptions small{.grid = 4};
-  const auto once = measure_robustness(f, nullptr, problem, starting_at(0.8, 0.0), 7, small),
-             again = measure_robustness(f, nullptr, problem, starting_at(0.8, 0.0), 7, small),
-             other = measure_robustness(f, nullptr, problem, starting_at(0.8, 0.0), 8, small);
+  const auto once = measure_robustness(f, {}, problem, starting_at(0.8, 0.0), 7, small),
+             again = measure_robustness(f, {}, problem, starting_at(0.8, 0.0), 7, small),
+             other = measure_robustness(f, {}, problem, starting_at(0.8, 0.0), 8, small);
   EXPECT_EQ(once[2].mean_closest, again[2].mean_closest);
   EXPECT_NE(once[2].mean_closest, other[2].mean_closest);
 }
@@ -83,7 +83,7 @@ TEST(Robustness, DistancesAreThoseToTheBoundary) {
   // From (0.8, 0) straight to within 0.02 of the goal, which is 0.4 from the ball.
   const SafetyProblem problem = problem_with(ball(0.0, 0.5, 0.1));
   const RobustnessOptions still{.grid = 2, .repetitions = 1, .perturbation = 0.0};
-  const auto found = measure_robustness(linear(Points{{-1.0, 0.0}, {0.0, -1.0}}), nullptr, problem,
+  const auto found = measure_robustness(linear(Points{{-1.0, 0.0}, {0.0, -1.0}}), {}, problem,
                                         starting_at(0.8, 0.0), 1, still);
   const double expected = std::hypot(0.02, 0.5) - 0.1;
   EXPECT_GT(found[1].closest, expected - 1e-3);
@@ -97,13 +97,13 @@ TEST(Robustness, ACertificateSpeaksOfWhatStartsInTheSafeSet) {
   const NetworkWeights lower_half = {
       .layers = {{.weight = Points{{0.0, 1.0}}, .bias = Vector{{0.0}}, .activation = Activation::identity}}};
   const NetworkWeights contraction = linear(Points{{-1.0, 0.0}, {0.0, -1.0}});
-  const auto found = measure_robustness(contraction, &lower_half, problem, starting_at(0.8, -0.4), 1);
+  const auto found = measure_robustness(contraction, lower_half, problem, starting_at(0.8, -0.4), 1);
   EXPECT_EQ(found[0].covered, 200) << "half of the grid";
   EXPECT_DOUBLE_EQ(found[0].covered_converged, 1.0);
   EXPECT_LT(found[0].converged, 1.0);
   EXPECT_GT(found[2].covered, 0);
   EXPECT_LT(found[2].covered, 10) << "some pushes lead out of it";
-  const auto without = measure_robustness(contraction, nullptr, problem, starting_at(0.8, -0.4), 1);
+  const auto without = measure_robustness(contraction, {}, problem, starting_at(0.8, -0.4), 1);
   EXPECT_EQ(without[0].covered, 0);
   EXPECT_TRUE(std::isnan(without[0].covered_converged));
 }

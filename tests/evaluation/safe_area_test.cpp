@@ -16,7 +16,7 @@ NetworkWeights linear(const Points& weight, const Vector& bias = {}) {
   return {.layers = {{.weight = weight, .bias = bias, .activation = Activation::identity}}};
 }
 
-std::function<Vector(const Points&)> ball_level(double radius) {
+StateFunction ball_level(double radius) {
   return [radius](const Points& x) -> Vector { return x.rowwise().norm().array() - radius; };
 }
 
@@ -43,11 +43,9 @@ TEST(MeasureSafeArea, KnowsTheShadowOfAnObstacle) {
   problem.workspace = Box::cube(2, 1.0);
   problem.initial = empty_region(2);
   problem.unsafe = ball(Vector{{0.5, 0.0}}, 0.2);
-  Networks networks;
-  networks.f = linear(-Points::Identity(2, 2));  // straight to the goal
-  networks.V = linear(Points{{1.0, 0.0}});
-  networks.B = linear(Points{{1.0, 0.0}}, Vector::Constant(1, -0.25));
-  const SafeArea area = measure_safe_area(networks, problem);
+  const NetworkWeights f = linear(-Points::Identity(2, 2));  // straight to the goal
+  const NetworkWeights B = linear(Points{{1.0, 0.0}}, Vector::Constant(1, -0.25));
+  const SafeArea area = measure_safe_area(f, B, problem);
   EXPECT_NEAR(area.safe_area, 2.5, 1e-9);
   // Lost is the cone of half-angle a that the ball fills, up to the workspace's edge, but for its part before
   // the ball.
@@ -64,11 +62,8 @@ TEST(MeasureSafeArea, WorksInThreeDimensions) {
   problem.initial = empty_region(3);
   problem.unsafe = empty_region(3);
   problem.workspace_margin = complement(box_region(Box::cube(3, 0.9)));
-  Networks networks;
-  networks.f = linear(-Points::Identity(3, 3));
-  networks.V = linear(Points{{1.0, 0.0, 0.0}});
-  networks.B = linear(Points{{0.0, 0.0, 1.0}});
-  const SafeArea area = measure_safe_area(networks, problem, 20);
+  const SafeArea area =
+      measure_safe_area(linear(-Points::Identity(3, 3)), linear(Points{{0.0, 0.0, 1.0}}), problem, 20);
   EXPECT_NEAR(area.safe_area, 4.0, 1e-9);
   EXPECT_NEAR(area.true_safe_area, 1.8 * 1.8 * 1.8, 1e-9);
 }
