@@ -15,7 +15,7 @@ packages=(
   libonnx-dev libprotobuf-dev  # ONNX export
   libssl-dev                   # SHA-256 of the certified weights
   libgtest-dev libbenchmark-dev libmpfr-dev
-  python3 python3-torch python3-numpy python3-scipy python3-h5py python3-matplotlib python3-onnx
+  python3 python3-torch python3-numpy python3-scipy python3-sklearn python3-h5py python3-matplotlib python3-onnx
   jupyter-nbconvert python3-ipykernel   # runs the notebooks
 )
 
