@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <numeric>
 
+#include "s2nnds/core/check.h"
 #include "s2nnds/evaluation/robustness.h"
 #include "s2nnds/runs/prepared_run.h"
 
@@ -114,6 +116,16 @@ Cell share_of(Role role, Role having) {
   return [=](const Row& row) {
     const auto in_role = select(row.runs, role);
     return fmt::format("{}/{}", select(in_role, having).size(), in_role.size());
+  };
+}
+
+Cell gaussian_process(const std::string& folder) {
+  return [=](const Row& row) {
+    const std::string path = S2NNDS_EXPERIMENTS "/results/baselines.json";
+    std::ifstream file(path);
+    check(file.good(), "{}: cannot be read, expected the figures of baselines.py", path);
+    const nlohmann::json motion = nlohmann::json::parse(file).at("motions").at(folder + "/" + row.name);
+    return number_cell(mean(motion.at("gaussian_process").at("mse").get<std::vector<double>>()), "{:.4f}");
   };
 }
 

@@ -73,6 +73,8 @@ Cell mean_of(Role role, const Figure& figure, const std::string& form);
 Cell least_of(Role role, const Figure& figure, const std::string& form);
 Cell known(const std::string& name, const std::string& form);
 Cell share_of(Role role, Role having);  // "2/3"
+// Mean test MSE of the Gaussian process of baselines.py on the configuration FOLDER/ROW.
+Cell gaussian_process(const std::string& folder);
 bool is_invariant(const Run& run);
 
 // One row a run: what is guaranteed, and how good the motion is.
