@@ -210,7 +210,7 @@ def read_problem(config, data):
         "demonstrations": read_lasa(os.path.join(data, values["data"]["file"]), values["data"]["normalization"]),
         "unsafe": level_of(problem["unsafe"], data),
         "workspace": workspace,
-        "reach": problem.get("containment", 0.985) * workspace,
+        "reach": (problem.get("containment", 0.985) or 1.0) * workspace,  # 0: the workspace has no margin
     }
 
 
