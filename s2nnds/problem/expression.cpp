@@ -1,115 +1,156 @@
 #include "s2nnds/problem/expression.h"
 
-#include <torch/csrc/jit/frontend/parser.h>
-
 #include <charconv>
 #include <map>
-#include <memory>
 
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {
 namespace {
 
-namespace jit = torch::jit;
 using Operation = ExpressionTree::Operation;
 
-// The front end recurses on the text's structure; beyond these bounds it could run out of stack.
-constexpr std::size_t kLongestText = 10000;
-constexpr int kDeepestNesting = 200;
-constexpr int kMostSigns = 2000;
+constexpr std::size_t kLongestText = 10000;  // characters
+constexpr int kDeepestNesting = 200;         // the parser recurses: deeper texts could run out of stack
 
-std::string excerpt(const std::string& text) {
-  return text.size() <= 100 ? text : fmt::format("{}...", text.substr(0, 97));
-}
+constexpr std::string_view kBlanks = " \t\r\n";
+constexpr std::string_view kDigits = "0123456789";
+constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
+constexpr std::string_view kSigns = ".,()+-*/^";
 
-// The text with what the front end would read as something else made plain: ^ means power, line breaks mean
-// nothing.
-std::string prepare(const std::string& text) {
-  static const std::string allowed =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.,()+-*/^ \t\r\n";
-  check(text.size() <= kLongestText, "expression: {} characters, expected at most {}", text.size(),
-        kLongestText);
-  std::string prepared;
-  int depth = 0;
-  int signs = 0;  // minus signs and powers nest without parentheses
-  char previous = ' ';
-  for (char c : text) {
-    check(allowed.find(c) != std::string::npos, "expression \"{}\": unexpected character '{}'", excerpt(text),
-          c >= ' ' && c <= '~' ? std::string(1, c) : "outside ASCII");
-    depth += (c == '(') - (c == ')');
-    signs += c == '-' || c == '^' || (c == '*' && previous == '*');
-    previous = c;
-    if (c == '^') {
-      prepared += "**";
-    } else {
-      prepared += c == '\n' || c == '\r' || c == '\t' ? ' ' : c;
-    }
-    check(depth <= kDeepestNesting && signs <= kMostSigns, "expression \"{}\": nested too deeply",
-          excerpt(text));
-  }
-  return prepared + ' ';  // the front end loses a number at the very end of its text
-}
+bool is_one_of(char c, std::string_view characters) { return characters.find(c) != std::string_view::npos; }
 
-// Converts the front end's tree, node by node.
-class Converter {
+// By recursive descent, one function a rule:
+//   sum     = product { ("+" | "-") product }
+//   product = factor { ("*" | "/") factor }
+//   factor  = { "-" } power
+//   power   = primary [ ("^" | "**") factor ]    (from the right, and tighter than a minus sign before it)
+//   primary = number | name | name "(" sum { "," sum } ")" | "(" sum ")"
+class Parser {
  public:
-  Converter(const std::string& text, Eigen::Index dimension) : text_(text), tree_(dimension) {}
+  Parser(const std::string& text, Eigen::Index dimension) : text_(text), tree_(dimension) {}
 
-  ExpressionTree convert(const jit::Expr& expression) {
-    tree_.set_root(node(expression));
+  ExpressionTree parse() {
+    if (text_.size() > kLongestText) reject("{} characters, expected at most {}", text_.size(), kLongestText);
+    tree_.set_root(sum());
+    if (!at_end()) unexpected();
     return std::move(tree_);
   }
 
  private:
   template <typename... Args>
   [[noreturn]] void reject(fmt::format_string<Args...> message, Args&&... args) const {
-    fail("expression \"{}\": {}", excerpt(text_), fmt::format(message, std::forward<Args>(args)...));
+    std::string excerpt = text_.size() <= 100 ? text_ : text_.substr(0, 97) + "...";
+    for (char& c : excerpt) c = is_one_of(c, kBlanks) ? ' ' : c;
+    fail("expression \"{}\": {}", excerpt, fmt::format(message, std::forward<Args>(args)...));
   }
 
-  int node(const jit::Expr& expression) {
-    switch (expression.kind()) {
-      case jit::TK_CONST:
-        return number(expression.tree()->tree(0)->stringValue());
-      case jit::TK_VAR:
-        return name(jit::Var(expression).name().name());
-      case jit::TK_APPLY:
-        return call(jit::Apply(expression));
-      case jit::TK_UNARY_MINUS:
-        return tree_.apply(Operation::negate, argument(expression, 0));
-      case '+':
-        return binary(Operation::add, expression);
-      case '-':
-        return binary(Operation::subtract, expression);
-      case '*':
-        return binary(Operation::multiply, expression);
-      case '/':
-        return binary(Operation::divide, expression);
-      case jit::TK_POW:
-        return binary(Operation::power, expression);
-      default:
-        reject("'{}' is not arithmetic", jit::kindToString(expression.kind()));
+  [[noreturn]] void unexpected() {
+    if (at_end()) reject("does not parse: it ends too early");
+    const char c = text_[at_];
+    if (c < ' ' || c > '~') reject("unexpected character outside ASCII");
+    std::string word = number();
+    if (word.empty()) word = name();
+    if (word.empty() && !is_one_of(c, kSigns)) reject("unexpected character '{}'", c);
+    reject("does not parse: unexpected '{}'", word.empty() ? std::string(1, c) : word);
+  }
+
+  // ---- Words
+
+  bool at_end() {
+    at_ = std::min(text_.find_first_not_of(kBlanks, at_), text_.size());
+    return at_ == text_.size();
+  }
+
+  bool take(std::string_view sign) {
+    if (at_end() || text_.compare(at_, sign.size(), sign) != 0) return false;
+    at_ += sign.size();
+    return true;
+  }
+
+  void expect(std::string_view sign) {
+    if (!take(sign)) unexpected();
+  }
+
+  // The number or the name that stands here; empty if there is none.
+  std::string number() {
+    if (at_end() || !is_one_of(text_[at_], "0123456789.")) return "";
+    double value = 0.0;
+    const char* begin = text_.data() + at_;
+    const char* end = std::from_chars(begin, text_.data() + text_.size(), value).ptr;
+    at_ += static_cast<std::size_t>(end - begin);
+    return {begin, end};
+  }
+  std::string name() {
+    if (at_end() || !is_one_of(text_[at_], kLetters)) return "";
+    std::size_t end = at_;
+    while (end < text_.size() && (is_one_of(text_[end], kLetters) || is_one_of(text_[end], kDigits))) ++end;
+    return text_.substr(std::exchange(at_, end), end - at_);
+  }
+
+  // ---- Rules; each returns a node of the tree
+
+  int sum() {
+    int result = product();
+    while (true) {
+      if (take("+")) {
+        result = tree_.apply(Operation::add, result, product());
+      } else if (take("-")) {
+        result = tree_.apply(Operation::subtract, result, product());
+      } else {
+        return result;
+      }
     }
   }
 
-  int argument(const jit::Expr& expression, std::size_t index) {
-    return node(jit::Expr(expression.tree()->tree(index)));
+  int product() {
+    int result = factor();
+    while (true) {
+      if (take("*")) {
+        result = tree_.apply(Operation::multiply, result, factor());
+      } else if (take("/")) {
+        result = tree_.apply(Operation::divide, result, factor());
+      } else {
+        return result;
+      }
+    }
   }
 
-  int binary(Operation operation, const jit::Expr& expression) {
-    const int first = argument(expression, 0);
-    return tree_.apply(operation, first, argument(expression, 1));
+  int factor() {
+    if (depth_++ > kDeepestNesting) reject("nested too deeply");
+    int signs = 0;
+    while (take("-")) ++signs;
+    int result = power();
+    for (; signs > 0; --signs) result = tree_.apply(Operation::negate, result);
+    --depth_;
+    return result;
   }
 
-  int number(const std::string& digits) {
+  int power() {
+    const int base = primary();
+    return take("^") || take("**") ? tree_.apply(Operation::power, base, factor()) : base;
+  }
+
+  int primary() {
+    if (take("(")) {
+      const int inside = sum();
+      expect(")");
+      return inside;
+    }
+    if (const std::string digits = number(); !digits.empty()) return constant(digits);
+    const std::string word = name();
+    if (word.empty()) unexpected();
+    return take("(") ? call(word) : named(word);
+  }
+
+  int constant(const std::string& digits) {
     double value = 0.0;
-    const char* end = digits.data() + digits.size();
-    const auto [stopped, error] = std::from_chars(digits.data(), end, value);
-    if (error != std::errc() || stopped != end) reject("'{}' is not a number within range", digits);
+    const std::errc error = std::from_chars(digits.data(), digits.data() + digits.size(), value).ec;
+    if (error != std::errc()) reject("'{}' is not a number within range", digits);
     return tree_.constant(value);
   }
 
-  int name(const std::string& symbol) {
+  int named(const std::string& symbol) {
     if (symbol == "pi") return tree_.constant(pi_interval().lower, pi_interval());
     const Eigen::Index axis = axis_of(symbol);
     if (axis < 0 || axis >= tree_.dimension()) {
@@ -129,71 +170,52 @@ class Converter {
     return prefix > 0 && error == std::errc() && stopped == end ? index - 1 : -1;
   }
 
-  int call(const jit::Apply& apply) {
-    if (apply.callee().kind() != jit::TK_VAR) reject("only named functions can be called");
-    const std::string function = jit::Var(apply.callee()).name().name();
-    if (function == "xi") return indexed_variable(apply);
-    if (function == "max") return extremum(Operation::max, apply);
-    if (function == "min") return extremum(Operation::min, apply);
+  // After the opening parenthesis.
+  int call(const std::string& function) {
+    if (function == "xi") return indexed_variable();
     static const std::map<std::string, Operation> functions = {
-        {"sin", Operation::sin}, {"cos", Operation::cos},  {"tan", Operation::tan},
-        {"exp", Operation::exp}, {"log", Operation::log},  {"sqrt", Operation::sqrt},
-        {"abs", Operation::abs}, {"tanh", Operation::tanh}};
+        {"sin", Operation::sin}, {"cos", Operation::cos},   {"tan", Operation::tan},
+        {"exp", Operation::exp}, {"log", Operation::log},   {"sqrt", Operation::sqrt},
+        {"abs", Operation::abs}, {"tanh", Operation::tanh}, {"max", Operation::max},
+        {"min", Operation::min}};
     const auto found = functions.find(function);
     if (found == functions.end()) {
       reject("unknown function '{}', expected max, min, sin, cos, tan, exp, log, sqrt, abs or tanh",
              function);
     }
-    if (apply.inputs().size() != 1) {
-      reject("{} has {} arguments, expected 1", function, apply.inputs().size());
+    std::vector<int> arguments;
+    do {
+      arguments.push_back(sum());
+    } while (take(","));
+    expect(")");
+    const bool many = function == "max" || function == "min";
+    if (many ? arguments.size() < 2 : arguments.size() != 1) {
+      reject("{} has {} arguments, expected {}", function, arguments.size(), many ? "at least 2" : "1");
     }
-    return tree_.apply(found->second, node(apply.inputs()[0]));
-  }
-
-  int indexed_variable(const jit::Apply& apply) {
-    if (apply.inputs().size() != 1 || apply.inputs()[0].kind() != jit::TK_CONST) {
-      reject("xi needs one index from 1 to {}", tree_.dimension());
+    if (!many) return tree_.apply(found->second, arguments[0]);
+    int result = arguments[0];
+    for (std::size_t i = 1; i < arguments.size(); ++i) {
+      result = tree_.apply(found->second, result, arguments[i]);
     }
-    return name("xi" + apply.inputs()[0].tree()->tree(0)->stringValue());
-  }
-
-  int extremum(Operation operation, const jit::Apply& apply) {
-    const auto inputs = apply.inputs();
-    if (inputs.size() < 2) {
-      reject("{} has {} arguments, expected at least 2", operation == Operation::max ? "max" : "min",
-             inputs.size());
-    }
-    int result = node(inputs[0]);
-    for (std::size_t i = 1; i < inputs.size(); ++i) result = tree_.apply(operation, result, node(inputs[i]));
     return result;
   }
 
+  int indexed_variable() {
+    const std::string index = number();
+    if (index.empty() || !take(")")) reject("xi needs one index from 1 to {}", tree_.dimension());
+    return named("xi" + index);
+  }
+
   const std::string& text_;
+  std::size_t at_ = 0;  // the next character
+  int depth_ = 0;
   ExpressionTree tree_;
 };
-
-std::string first_line(const std::string& message) { return message.substr(0, message.find('\n')); }
 
 }  // namespace
 
 ExpressionTree parse_expression(const std::string& text, Eigen::Index dimension) {
-  const std::string prepared = prepare(text);
-  try {
-    jit::Parser parser(std::make_shared<jit::Source>(prepared));
-    const jit::Expr parsed = parser.parseExp();
-    jit::Token next = parser.lexer().cur();
-    check(next.kind == jit::TK_EOF, "expression \"{}\": does not parse: unexpected '{}'", excerpt(text),
-          next.text());
-    return Converter(text, dimension).convert(parsed);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    // "expected ident but found 'eof' here:" and a drawing of the place, of which the first line is the
-    // message.
-    std::string message = first_line(error.what());
-    if (message.ends_with(" here:")) message.resize(message.size() - 6);
-    fail("expression \"{}\": does not parse: {}", excerpt(text), message);
-  }
+  return Parser(text, dimension).parse();
 }
 
 }  // namespace s2nnds

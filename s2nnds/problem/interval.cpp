@@ -61,7 +61,7 @@ Interval pi_interval() {
 
 Interval operator/(const Interval& a, const Interval& b) {
   if (!a.is_defined() || !b.is_defined()) return Interval::undefined();
-  if (b.lower <= 0.0 && b.upper >= 0.0) return Interval::whole();
+  if (b.contains(0.0)) return Interval::undefined();
   double low = infinity, high = -infinity;
   for (double numerator : {a.lower, a.upper}) {
     for (double denominator : {b.lower, b.upper}) {
@@ -115,7 +115,7 @@ Interval sqrt(const Interval& a) {
 Interval exp(const Interval& a) { return increasing(a, std::exp, 0.0, infinity); }
 
 Interval log(const Interval& a) {
-  if (!(a.lower >= 0.0)) return Interval::undefined();
+  if (!(a.lower > 0.0)) return Interval::undefined();
   return increasing(a, std::log, -infinity, infinity);
 }
 
@@ -127,8 +127,9 @@ Interval cos(const Interval& a) { return wave(a, std::cos, 0.0); }
 
 Interval tan(const Interval& a) {
   if (!a.is_defined()) return Interval::undefined();
-  if (!(a.magnitude() < infinity) || may_hold(a, half(pi_interval()), pi_interval()))
-    return Interval::whole();
+  if (!(a.magnitude() < infinity) || may_hold(a, half(pi_interval()), pi_interval())) {
+    return Interval::undefined();
+  }
   return increasing(a, std::tan, -infinity, infinity);
 }
 
@@ -148,6 +149,7 @@ Interval power(const Interval& base, int exponent) {
 
 Interval power(const Interval& base, const Interval& exponent) {
   if (!base.is_defined() || !exponent.is_defined() || !(base.lower >= 0.0)) return Interval::undefined();
+  if (base.lower == 0.0 && exponent.lower < 0.0) return Interval::undefined();
   // For x >= 0 the power is monotone in the base and in the exponent, so that its extremes are at the
   // corners.
   double low = infinity, high = 0.0;
@@ -159,9 +161,8 @@ Interval power(const Interval& base, const Interval& exponent) {
     }
   }
   // 0^e jumps at e = 0.
-  if (base.lower == 0.0 && exponent.lower <= 0.0 && exponent.upper >= 0.0) {
+  if (base.lower == 0.0 && exponent.lower == 0.0) {
     low = exponent.upper > 0.0 ? 0.0 : std::min(low, 1.0);
-    if (exponent.lower < 0.0) high = infinity;
     high = std::max(high, 1.0);
   }
   return {std::max(0.0, library_down(low)), library_up(high)};

@@ -8,9 +8,10 @@
 
 namespace s2nnds {
 
-// Outward rounding without switching the processor's rounding mode: IEEE 754 doubles rounded to nearest,
-// every result moved to the neighbouring double away from the interval. Assumes round to nearest and gradual
-// underflow. The smallest double above x; +infinity and NaN stay.
+// Outward rounding without switching the processor's rounding mode: doubles are rounded to nearest (IEEE 754,
+// with gradual underflow), then every result moves to the neighbouring double away from the interval.
+
+// The smallest double above x; +infinity and NaN stay.
 inline double next_up(double x) {
   if (!(x < std::numeric_limits<double>::infinity())) return x;
   if (x == 0.0) return std::numeric_limits<double>::denorm_min();
@@ -20,8 +21,8 @@ inline double next_up(double x) {
 inline double next_down(double x) { return -next_up(-x); }
 
 // A closed interval of real numbers that holds the exact value of what was computed. A bound may be infinite.
-// Both bounds are NaN where the value is not defined (the root or logarithm of an interval with negative
-// numbers): nothing is known then, and every comparison with it is false.
+// Both bounds are NaN where some value is not defined (division by an interval that holds 0, the root of one
+// with negative numbers): nothing is known then, and every comparison with it is false.
 struct Interval {
   double lower = 0.0;
   double upper = 0.0;
@@ -30,9 +31,6 @@ struct Interval {
   constexpr Interval(double point) : lower(point), upper(point) {}  // NOLINT: numbers are intervals
   constexpr Interval(double low, double high) : lower(low), upper(high) {}
 
-  static constexpr Interval whole() {
-    return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  }
   static constexpr Interval undefined() {
     return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
   }
@@ -84,8 +82,7 @@ inline Interval& operator+=(Interval& a, const Interval& b) { return a = a + b; 
 inline Interval& operator-=(Interval& a, const Interval& b) { return a = a - b; }
 inline Interval& operator*=(Interval& a, const Interval& b) { return a = a * b; }
 
-// The whole line if `b` holds 0.
-Interval operator/(const Interval& a, const Interval& b);
+Interval operator/(const Interval& a, const Interval& b);  // undefined if `b` holds 0
 
 // The values common to two enclosures of the same number; undefined if one of them is.
 Interval intersection(const Interval& a, const Interval& b);
@@ -101,13 +98,13 @@ Interval sqrt(const Interval& a);  // undefined if `a` holds negative numbers
 // The functions below rest on one assumption: the C library's exp, log, pow, sin, cos, tan and tanh are wrong
 // by at most 4 units in the last place (glibc documents at most 2 for each of them on x86-64 and aarch64).
 Interval exp(const Interval& a);
-Interval log(const Interval& a);  // undefined if `a` holds negative numbers
+Interval log(const Interval& a);  // undefined unless `a` is positive
 Interval sin(const Interval& a);
 Interval cos(const Interval& a);
-Interval tan(const Interval& a);  // the whole line if a pole may lie in `a`
+Interval tan(const Interval& a);  // undefined if a pole may lie in `a`
 Interval tanh(const Interval& a);
-Interval power(const Interval& base, int exponent);
-// Real exponents; undefined if `base` holds negative numbers.
+Interval power(const Interval& base, int exponent);  // undefined if a negative power of 0 may be meant
+// Real exponents, 0^0 = 1; undefined if `base` holds negative numbers, or 0 and `exponent` negative ones.
 Interval power(const Interval& base, const Interval& exponent);
 
 Interval pi_interval();

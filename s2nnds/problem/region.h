@@ -10,10 +10,6 @@
 #include "s2nnds/problem/interval.h"
 #include "s2nnds/problem/polynomial.h"
 
-namespace at {
-class Tensor;
-}
-
 namespace s2nnds {
 
 // How a box lies to a region.
@@ -28,8 +24,6 @@ class Region {
   // The level function at N points [N, n] -> [N]; negative inside. Throws Error on a wrong dimension, and
   // when the level is not a number somewhere.
   Vector level(const Points& x) const;
-  // The same for tensors [N, n] of any floating type and device -> [N] of that type; not differentiated.
-  at::Tensor level(const at::Tensor& x) const;
   bool contains(const Eigen::Ref<const Vector>& x) const;
   // Sound in floating point: `inside` only if every point of the box is in the set, `outside` only if none
   // is. Also unknown: empty boxes, boxes with NaN, and those where the level may not be defined.

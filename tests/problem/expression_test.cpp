@@ -85,24 +85,27 @@ TEST(Expression, MistakesAreNamed) {
   EXPECT_NE(message("sinh(x)").find("unknown function 'sinh'"), std::string::npos);
   EXPECT_NE(message("sin(x, y)").find("2 arguments, expected 1"), std::string::npos);
   EXPECT_NE(message("max(x)").find("1 arguments, expected at least 2"), std::string::npos);
-  EXPECT_NE(message("x if y else 1").find("not arithmetic"), std::string::npos);
+  EXPECT_NE(message("x if y else 1").find("unexpected 'if'"), std::string::npos);
   EXPECT_NE(message("x <= y").find("unexpected character '<'"), std::string::npos);
-  EXPECT_NE(message("x // y").find("not arithmetic"), std::string::npos);
+  EXPECT_NE(message("x // y").find("unexpected '/'"), std::string::npos);
   EXPECT_NE(message("x # y").find("unexpected character"), std::string::npos);
   EXPECT_NE(message("\xce\xb1 + x").find("outside ASCII"), std::string::npos);
   EXPECT_NE(message("1e999*x").find("within range"), std::string::npos);
-  EXPECT_NE(message("3j + x").find("not a number"), std::string::npos);
-  EXPECT_NE(message("0x10 + x").find("not a number"), std::string::npos);
+  EXPECT_NE(message("3j + x").find("unexpected 'j'"), std::string::npos);
+  EXPECT_NE(message("0x10 + x").find("unexpected 'x10'"), std::string::npos);
   EXPECT_NE(message("x + 1/0").find("no finite value"), std::string::npos);
   EXPECT_NE(message("log(-1)*x").find("no finite value"), std::string::npos);
-  EXPECT_NE(message("x.y").find("not arithmetic"), std::string::npos) << message("x.y");
+  EXPECT_NE(message("x.y").find("unexpected '.'"), std::string::npos) << message("x.y");
   EXPECT_NE(message("sin(x=y)").find("unexpected character '='"), std::string::npos);
   EXPECT_NE(message("x, y").find("unexpected ','"), std::string::npos);
   EXPECT_NE(message(std::string(4000, '(') + "x" + std::string(4000, ')')).find("nested"), std::string::npos);
-  EXPECT_NE(message(std::string(4000, '-') + "x").find("nested"), std::string::npos);
+  std::string tower = "x";
+  for (int k = 0; k < 4000; ++k) tower += "^x";
+  EXPECT_NE(message(tower).find("nested"), std::string::npos);
   EXPECT_NE(message(std::string(20000, '1')).find("at most"), std::string::npos);
   for (const std::string text :
-       {"2x", "x +", "sinh(x)", "(", ")", "max(", "*", "x**", "()", "x(1)", "lambda x"}) {
+       {"2x",       "x +",  "sinh(x)", "(",          ")",      "max(", "*",    "x**",    "()",    "x(1)",
+        "lambda x", "x\n+", "+x",      "max(x, y,)", "xi(-1)", "xi(1", "2(3)", "(x)(y)", "1.5.2", "2e"}) {
     const std::string found = message(text);
     EXPECT_FALSE(found.empty()) << text;
     EXPECT_EQ(found.find('\n'), std::string::npos) << found;
@@ -110,7 +113,7 @@ TEST(Expression, MistakesAreNamed) {
 }
 
 TEST(Expression, LongTextsWithinTheBoundsAreRead) {
-  EXPECT_DOUBLE_EQ(value(std::string(1900, '-') + "x", {3, 0}), 3);
+  EXPECT_DOUBLE_EQ(value(std::string(9000, '-') + "x", {3, 0}), 3);
   EXPECT_DOUBLE_EQ(value(std::string(200, '(') + "x" + std::string(200, ')'), {3, 0}), 3);
   std::string sum = "x";
   for (int k = 1; k < 4000; ++k) sum += "+x";
