@@ -44,8 +44,8 @@ inline bool is_violated(Condition condition, double residual) {
 enum class Precision { single_, double_ };
 
 // The residuals at N points [N, n] -> [N, condition_count]; -infinity where a condition does not apply, NaN
-// where a network overflows. `level_band` is eps_B, the half-width of the band around {B = 0}. Nothing applies
-// outside X; a point at the goal itself (x = 0 exactly) is outside rho_1 and rho_2.
+// where a network overflows. `level_band` is eps_B, the half-width of the band around {B = 0}. Nothing
+// applies outside X; a point at the goal itself (x = 0 exactly) is outside rho_1 and rho_2.
 Points residuals(const Networks& networks, const SafetyProblem& problem, double level_band, const Points& x,
                  Precision precision = Precision::double_);
 

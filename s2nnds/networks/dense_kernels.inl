@@ -1,8 +1,9 @@
 // The source of the dense kernels, included once per instruction set with
-//   S2NNDS_KERNEL_SPACE  the namespace, S2NNDS_VECTOR_BYTES  the register width, S2NNDS_WIDE_ROWS  rows a
-//   block when it is four registers wide. It uses GCC's vector extensions and nothing that other files might
-//   also instantiate, so
-// that no instruction of a newer processor leaks into the rest of the program.
+//   S2NNDS_KERNEL_SPACE  the namespace,
+//   S2NNDS_VECTOR_BYTES  the register width,
+//   S2NNDS_WIDE_ROWS     rows a block when it is four registers wide.
+// It uses GCC's vector extensions and nothing that other files might also instantiate, so that no instruction
+// of a newer processor leaks into the rest of the program.
 
 #include <cmath>
 #include <cstdint>

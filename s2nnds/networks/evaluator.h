@@ -5,9 +5,9 @@
 
 namespace s2nnds {
 
-// A NetworkWeights made ready for many evaluations: weights packed once, N(0) computed once. T is the precision
-// of the arithmetic: double for what is verified, float where a search or a hint for training is all that is
-// wanted.
+// A NetworkWeights made ready for many evaluations: weights packed once, N(0) computed once. T is the
+// precision of the arithmetic: double for what is verified, float where a search or a hint for training is
+// all that is wanted.
 template <typename T>
 class BasicEvaluator {
  public:

@@ -41,8 +41,8 @@ class Buffer {
 };
 
 // N(x) of a fully connected network and its derivative along a direction, and the reverse sweep through both,
-// tile by tile so that activations stay in cache. With z = W a + b, a' = sigma(z), dz = W da, da' = sigma'(z)
-// dz, and A, T the adjoints of a', da':
+// tile by tile so that activations stay in cache. With
+//   z = W a + b,  a' = sigma(z),  dz = W da,  da' = sigma'(z) dz,  and A, T the adjoints of a', da':
 //   adj dz = T sigma'(z),  adj z = A sigma'(z) + T dz sigma''(z),  dW += adj_z a^T + adj_dz da^T.
 // Rows are samples. Work is shared over threads in fixed chunks, whose gradients are summed in order:
 // results do not depend on the number of threads.

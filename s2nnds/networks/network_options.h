@@ -22,9 +22,8 @@ struct MlpOptions {
 
 // The dynamics f: R^n -> R^n with f(0) = 0.
 //   zero_at_origin: f(x) = g(x) - g(0), g a network with biases (profile robust);
-//   else    : f = g without biases (profile paper). With odd activations f(-x) = -f(x) then, so that motions
-//   that
-//             pass through x and -x cannot be fitted.
+//   otherwise: f = g, a network without biases (profile paper). With odd activations f(-x) = -f(x), so that
+//     motions that pass through x and -x cannot be fitted.
 struct VectorFieldOptions {
   MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};
   bool zero_at_origin = true;
@@ -34,9 +33,9 @@ struct VectorFieldOptions {
 
 // The Lyapunov function V: R^n -> R with V(0) = 0.
 //   squared_norm: V(x) = |phi(x) - phi(0)|^2 + quadratic |x|^2 (profile robust): V > 0 and grad V(0) = 0 by
-//   construction; scalar      : V = phi without biases (profile paper). grad V(0) is not 0 in general then,
-//   so V < 0 somewhere
-//                 arbitrarily near the goal, which samples may miss.
+//     construction;
+//   scalar: V = phi, a network without biases (profile paper). In general grad V(0) is not 0, so V < 0
+//     somewhere arbitrarily near the goal, which samples may miss.
 struct LyapunovOptions {
   MlpOptions network = {.hidden = {64, 64}};
   std::string form = "squared_norm";

@@ -35,8 +35,8 @@ struct ProblemOptions {
 };
 
 // Builds the sets and checks them. Throws Error, naming the place, when
-// - options are out of range, or a region is not well written or is not defined somewhere in the workspace
-// (X0: in twice the workspace),
+// - options are out of range, or a region is not well written or not defined somewhere in the workspace (X0:
+//   in twice the workspace),
 // - a demonstration leaves the workspace,
 // - the obstacle covers the goal, or is not "none" but has no points in the workspace,
 // - X0 has no volume, or a point of it was found that is outside of (containment *) X or in the obstacle.
