@@ -10,6 +10,7 @@
 #include "python_script.h"
 #include "run_report.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/settings.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/cpp_header.h"
 #include "s2nnds/deployment/onnx.h"
@@ -80,12 +81,12 @@ TrainingStart start_from_config(const TrainArguments& arguments, const std::stri
   TrainingStart start;
   std::vector<std::string> assignments = arguments.assignments;
   if (arguments.seed) assignments.push_back(fmt::format("seed={}", *arguments.seed));
-  const std::string text = read_config_text(arguments.config, assignments);
-  const Config config = parse_config(text, arguments.config);
+  const std::string text = read_config_text(arguments.config);
+  const Config config = parse_config(text, arguments.config, assignments);
   start.path = arguments.out.empty() ? fmt::format("{}-seed{}.h5", config.name, config.seed) : arguments.out;
   check_writable(start.path);
   start.setup = prepare(config, data);
-  start.record = new_record(start.setup, text);
+  start.record = new_record(start.setup, with_settings(text, arguments.config, assignments));
   return start;
 }
 

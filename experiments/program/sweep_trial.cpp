@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/settings.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/runs/config.h"
 #include "s2nnds/runs/prepared_run.h"
@@ -27,7 +28,7 @@ void take_over(const Sweep& sweep, const SweepFolder& folder, const Trial& trial
   const std::string config = folder.config(sweep.configs[trial.config]);
   RunRecord old = load_run(earlier);
   check(old.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from", earlier);
-  const std::string text = read_config_text(config, sweep.settings(trial));
+  const std::string text = with_settings(read_config_text(config), config, sweep.settings(trial));
   RunRecord record = new_record(prepare(parse_config(text, config), data_directory(common.data)), text);
   record.networks = std::move(old.networks);
   record.history = std::move(old.history);

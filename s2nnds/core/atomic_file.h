@@ -4,8 +4,9 @@
 
 namespace s2nnds {
 
-// Writes `bytes` beside `path` and renames, so that a crash or a full disk leaves the older file or the new
-// one. Throws Error "PATH: cannot write WHAT: reason".
+// Replaces the file at `path` whole or not at all: writes `bytes` beside it, flushes them to the disk and
+// renames, so that a crash or a full disk leaves the old file or the new one. Several processes and threads
+// may write the same path; the last one wins. Throws Error "PATH: cannot write WHAT: reason".
 void write_atomic_file(const std::string& path, const std::string& bytes, const std::string& what);
 
 }  // namespace s2nnds

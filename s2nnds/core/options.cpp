@@ -1,15 +1,13 @@
 #include "s2nnds/core/options.h"
 
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/settings.h"
 #include "s2nnds/core/toml_text.h"
 
 namespace s2nnds {
@@ -33,8 +31,6 @@ std::string Range::describe() const {
 
 namespace {
 
-using options_detail::AnyOptions;
-
 // What stands in the file, for messages: `an integer 3`, `a string "abc"`.
 std::string found(const toml::node& node) {
   if (node.is_table()) return "a table";
@@ -44,27 +40,6 @@ std::string found(const toml::node& node) {
   if (node.is_integer()) return "an integer " + toml_text(node);
   if (node.is_boolean()) return "a truth value " + toml_text(node);
   return "a date or time " + toml_text(node);
-}
-
-// Stands above the values that with_overrides adds: they are on no line of the file that a message names.
-constexpr std::string_view kAdded = "# added settings\n";
-
-constexpr auto kNoLine = std::numeric_limits<toml::source_index>::max();
-
-// The line of that mark.
-toml::source_index line_of_added(const std::string& text) {
-  const auto at = text.find(kAdded);
-  if (at == std::string::npos || (at > 0 && text[at - 1] != '\n')) return kNoLine;
-  return static_cast<toml::source_index>(
-      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
-}
-
-toml::table parse(const std::string& text, const std::string& source) {
-  try {
-    return toml::parse(text, source);
-  } catch (const toml::parse_error& error) {
-    fail("{}:{}: not TOML: {}", source, error.source().begin.line, error.description());
-  }
 }
 
 // ---- Misspelt names
@@ -131,46 +106,37 @@ class NamedVisitor : public FieldVisitor {
 };
 
 // `where` is "file:line: " or empty.
-template <typename T>
-void check_range(const std::string& where, const std::string& name, T value, const Range& range) {
+void check_bound(const std::string&, const std::string&, const auto&, const NoBound&) {}
+void check_bound(const std::string& where, const std::string& name, const auto& value, const Range& range) {
   check(range.holds(static_cast<double>(value)), "{}{}: expected {}, found {}", where, name, range.describe(),
         value);
 }
-
-void check_choice(const std::string& where, const std::string& name, const std::string& value,
-                  const std::vector<std::string>& choices) {
+void check_bound(const std::string& where, const std::string& name, const std::string& value,
+                 const std::vector<std::string>& choices) {
   if (choices.empty() || std::find(choices.begin(), choices.end(), value) != choices.end()) return;
   const auto guess = nearest(value, choices);
   fail("{}{}: expected one of {}, found {}{}", where, name, joined(choices), string_text(value),
        guess ? fmt::format("; did you mean {}?", *guess) : "");
 }
 
-class Validator final : public NamedVisitor {
- public:
-  void field(std::string_view, bool&) override {}
-  void field(std::string_view name, std::int64_t& value, Range range) override {
-    check_range("", name_of(name), value, range);
+// Of a list, each element; where(i) says where it stands, where(0) as well where a single value stands.
+template <typename T, typename Bound, typename Where>
+void check_value(const std::string& name, const T& value, const Bound& bound, const Where& where) {
+  check_bound(where(0), name, value, bound);
+}
+template <typename T, typename Bound, typename Where>
+void check_value(const std::string& name, const std::vector<T>& values, const Bound& bound,
+                 const Where& where) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    check_bound(where(i), fmt::format("{}[{}]", name, i), values[i], bound);
   }
-  void field(std::string_view name, double& value, Range range) override {
-    check_range("", name_of(name), value, range);
-  }
-  void field(std::string_view name, std::string& value, const std::vector<std::string>& choices) override {
-    check_choice("", name_of(name), value, choices);
-  }
-  void field(std::string_view name, std::vector<double>& value, Range range) override {
-    check_each(name, value, range);
-  }
-  void field(std::string_view name, std::vector<std::int64_t>& value, Range range) override {
-    check_each(name, value, range);
-  }
-  void field(std::string_view, std::vector<std::string>&) override {}
+}
 
- private:
-  template <typename T>
-  void check_each(std::string_view name, const std::vector<T>& values, const Range& range) {
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      check_range("", fmt::format("{}[{}]", name_of(name), i), values[i], range);
-    }
+class Validator final : public UniformVisitor<Validator, NamedVisitor> {
+ public:
+  template <typename T, typename Bound>
+  void each(std::string_view name, const T& value, const Bound& bound) const {
+    check_value(name_of(name), value, bound, [](std::size_t) { return ""; });
   }
 };
 
@@ -191,33 +157,23 @@ constexpr std::string_view expected_type<std::vector<std::int64_t>> = "a list of
 template <>
 constexpr std::string_view expected_type<std::vector<std::string>> = "a list of strings";
 
-class TomlReader final : public NamedVisitor {
+class TomlReader final : public UniformVisitor<TomlReader, NamedVisitor> {
  public:
-  TomlReader(const toml::table& root, std::string source, toml::source_index added)
-      : root_(root), source_(std::move(source)), added_(added) {
+  TomlReader(const toml::table& root, std::string source) : root_(root), source_(std::move(source)) {
     tables_.push_back(&root_);
   }
 
   // To be called after the visit, which is what tells the known keys.
   void check_for_unknown_keys() const { check_table(root_, ""); }
 
-  void field(std::string_view name, bool& value) override { read(name, value); }
-  void field(std::string_view name, std::int64_t& value, Range range) override {
-    if (const auto* node = read(name, value)) check_range(where(*node), name_of(name), value, range);
+  template <typename T, typename Bound>
+  void each(std::string_view name, T& value, const Bound& bound) {
+    const toml::node* node = read(name, value);
+    if (node == nullptr) return;
+    const toml::array* array = node->as_array();
+    check_value(name_of(name), value, bound,
+                [&](std::size_t i) { return where(array != nullptr ? (*array)[i] : *node); });
   }
-  void field(std::string_view name, double& value, Range range) override {
-    if (const auto* node = read(name, value)) check_range(where(*node), name_of(name), value, range);
-  }
-  void field(std::string_view name, std::string& value, const std::vector<std::string>& choices) override {
-    if (const auto* node = read(name, value)) check_choice(where(*node), name_of(name), value, choices);
-  }
-  void field(std::string_view name, std::vector<double>& value, Range range) override {
-    check_each(read(name, value), name, value, range);
-  }
-  void field(std::string_view name, std::vector<std::int64_t>& value, Range range) override {
-    check_each(read(name, value), name, value, range);
-  }
-  void field(std::string_view name, std::vector<std::string>& value) override { read(name, value); }
 
  protected:
   void begin_group(std::string_view name) override {
@@ -246,7 +202,7 @@ class TomlReader final : public NamedVisitor {
  private:
   std::string where(const toml::node& node) const { return where(node.source()); }
   std::string where(const toml::source_region& region) const {
-    if (region.begin.line > added_) return fmt::format("{}, setting: ", source_);
+    if (!region.path) return fmt::format("{}, setting: ", source_);  // on no line of the file
     return fmt::format("{}:{}: ", source_, region.begin.line);
   }
 
@@ -306,15 +262,6 @@ class TomlReader final : public NamedVisitor {
     return node;
   }
 
-  template <typename T>
-  void check_each(const toml::node* node, std::string_view name, const std::vector<T>& values,
-                  const Range& range) const {
-    if (node == nullptr) return;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      check_range(where((*node->as_array())[i]), fmt::format("{}[{}]", name_of(name), i), values[i], range);
-    }
-  }
-
   void check_table(const toml::table& table, const std::string& prefix) const {
     const std::vector<std::string>& names = known_.at(prefix);
     for (const auto& [key, node] : table) {
@@ -349,27 +296,17 @@ class TomlReader final : public NamedVisitor {
 
   const toml::table& root_;
   std::string source_;
-  toml::source_index added_;
   std::vector<const toml::table*> tables_;  // those being visited; null where the file has none
   std::map<std::string, std::vector<std::string>> known_;  // names of fields and groups, by dotted prefix
 };
 
 // Visits every field as a pair of a name and a value's text.
-class TextVisitor : public NamedVisitor {
+class TextVisitor : public UniformVisitor<TextVisitor, NamedVisitor> {
  public:
-  void field(std::string_view name, bool& value) override { put(name, toml_text(value)); }
-  void field(std::string_view name, std::int64_t& value, Range) override { put(name, toml_text(value)); }
-  void field(std::string_view name, double& value, Range) override { put(name, toml_text(value)); }
-  void field(std::string_view name, std::string& value, const std::vector<std::string>&) override {
+  template <typename T, typename Bound>
+  void each(std::string_view name, const T& value, const Bound&) {
     put(name, toml_text(value));
   }
-  void field(std::string_view name, std::vector<double>& value, Range) override {
-    put(name, toml_text(value));
-  }
-  void field(std::string_view name, std::vector<std::int64_t>& value, Range) override {
-    put(name, toml_text(value));
-  }
-  void field(std::string_view name, std::vector<std::string>& value) override { put(name, toml_text(value)); }
 
  protected:
   virtual void put(std::string_view name, std::string value) = 0;
@@ -492,22 +429,15 @@ class Flattener final : public TextVisitor {
   }
 };
 
-class JsonWriter final : public FieldVisitor {
+class JsonWriter final : public UniformVisitor<JsonWriter> {
  public:
   JsonWriter() { open_.push_back(&root); }
   nlohmann::ordered_json root = nlohmann::ordered_json::object();
 
-  void field(std::string_view name, bool& value) override { at(name) = value; }
-  void field(std::string_view name, std::int64_t& value, Range) override { at(name) = value; }
-  void field(std::string_view name, double& value, Range) override {
-    at(name) = value;
-  }  // dumps non-finite as null
-  void field(std::string_view name, std::string& value, const std::vector<std::string>&) override {
-    at(name) = value;
+  template <typename T, typename Bound>
+  void each(std::string_view name, const T& value, const Bound&) {
+    at(name) = value;  // numbers that are not finite are dumped as null
   }
-  void field(std::string_view name, std::vector<double>& value, Range) override { at(name) = value; }
-  void field(std::string_view name, std::vector<std::int64_t>& value, Range) override { at(name) = value; }
-  void field(std::string_view name, std::vector<std::string>& value) override { at(name) = value; }
 
  protected:
   void begin_group(std::string_view name) override {
@@ -530,160 +460,38 @@ class JsonWriter final : public FieldVisitor {
   std::vector<nlohmann::ordered_json*> open_;
 };
 
-// ---- Assignments from the command line
-
-struct Assignment {
-  std::vector<std::string> path;
-  std::string value;
-};
-
-std::string trimmed(const std::string& text) {
-  const auto begin = text.find_first_not_of(" \t");
-  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
-Assignment parse_assignment(const std::string& text) {
-  const auto equals = text.find('=');
-  check(equals != std::string::npos, "setting \"{}\": expected key=value", text);
-  Assignment assignment;
-  assignment.value = trimmed(text.substr(equals + 1));
-  std::istringstream keys(trimmed(text.substr(0, equals)) + ".");
-  for (std::string key; std::getline(keys, key, '.');) {
-    check(!key.empty(), "setting \"{}\": expected a dotted key before \"=\"", text);
-    assignment.path.push_back(key);
-  }
-  return assignment;
-}
-
-// A table that holds the value under the key "value".
-toml::table parse_value(const std::string& text) {
-  try {
-    toml::table table = toml::parse("value = " + text);
-    if (table.size() == 1) return table;
-  } catch (const toml::parse_error&) {  // not TOML, so a string that was given without quotes
-  }
-  toml::table table;
-  table.insert_or_assign("value", text);
-  return table;
-}
-
-// The element of `parent` of that name; a table is made where a table lacks it. Null: there can be none.
-toml::node* child(toml::node& parent, const std::string& name) {
-  if (auto* table = parent.as_table()) {
-    if (!table->contains(name)) table->insert(name, toml::table{});
-    return table->get(name);
-  }
-  auto* array = parent.as_array();
-  const bool is_index =
-      !name.empty() && name.size() < 10 &&
-      std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c); });
-  return array != nullptr && is_index ? array->get(std::stoul(name)) : nullptr;
-}
-
-// Lines of values by dotted name, kept aside since a node loses its source region when it is replaced.
-using Lines = std::map<std::string, toml::source_index>;
-
-void collect_lines(const toml::table& table, const std::string& prefix, Lines& lines) {
-  for (const auto& [key, node] : table) {
-    const std::string name = prefix + key_text(key.str());
-    lines[name] = key.source().begin.line;
-    const auto* inner = node.as_table();
-    if (inner != nullptr && !inner->is_inline()) collect_lines(*inner, name + ".", lines);
-  }
-}
-
-void assign(toml::table& root, const std::string& text) {
-  const Assignment assignment = parse_assignment(text);
-  toml::node* parent = &root;
-  for (std::size_t i = 0; i + 1 < assignment.path.size(); ++i) {
-    parent = child(*parent, assignment.path[i]);
-    check(parent != nullptr, "setting \"{}\": there is no {} to set it in", text, assignment.path[i]);
-  }
-  const toml::table holder = parse_value(assignment.value);
-  const toml::node& value = *holder.get("value");
-  const std::string& name = assignment.path.back();
-  if (auto* table = parent->as_table()) {
-    value.visit([&](const auto& node) { table->insert_or_assign(name, node); });
-    return;
-  }
-  check(child(*parent, name) != nullptr, "setting \"{}\": there is no {} to set", text, name);
-  auto* array = parent->as_array();
-  value.visit([&](const auto& node) { array->replace(array->cbegin() + std::stol(name), node); });
-}
-
-// Every value under its full dotted key, so that each can stand on a line of its choice.
-void collect_values(const toml::table& table, const std::string& prefix, const Lines& lines,
-                    std::multimap<toml::source_index, std::string>& values) {
-  for (const auto& [key, node] : table) {
-    const std::string name = prefix + key_text(key.str());
-    const auto* inner = node.as_table();
-    if (inner != nullptr && !inner->is_inline() && !inner->empty()) {
-      collect_values(*inner, name + ".", lines, values);
-    } else {
-      const auto line = lines.find(name);
-      values.emplace(line != lines.end() ? line->second : kNoLine,
-                     fmt::format("{} = {}\n", name, toml_text(node)));
-    }
-  }
-}
-
 }  // namespace
 
-void options_detail::read_toml(const std::string& text, const std::string& source, AnyOptions& options) {
-  const toml::table root = parse(text, source);
-  TomlReader reader(root, source, line_of_added(text));
-  options.visit(reader);
+void options_detail::read_toml(const std::string& text, const std::string& source,
+                               const std::vector<std::string>& settings, const Visit& visit) {
+  toml::table root = parse_toml(text, source);
+  for (const std::string& setting : settings) apply_setting(root, setting);
+  TomlReader reader(root, source);
+  visit(reader);
   reader.check_for_unknown_keys();
 }
 
-std::string options_detail::to_toml(AnyOptions& options) {
+std::string options_detail::to_toml(const Visit& visit) {
   TomlWriter writer;
-  options.visit(writer);
+  visit(writer);
   return writer.text();
 }
 
-std::string options_detail::to_json(AnyOptions& options) {
+std::string options_detail::to_json(const Visit& visit) {
   JsonWriter writer;
-  options.visit(writer);
+  visit(writer);
   return writer.root.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-void options_detail::validate(AnyOptions& options) {
+void options_detail::validate(const Visit& visit) {
   Validator validator;
-  options.visit(validator);
+  visit(validator);
 }
 
-std::vector<std::pair<std::string, std::string>> options_detail::flatten(AnyOptions& options) {
+std::vector<std::pair<std::string, std::string>> options_detail::flatten(const Visit& visit) {
   Flattener flattener;
-  options.visit(flattener);
+  visit(flattener);
   return std::move(flattener.entries);
-}
-
-std::string with_overrides(const std::string& text, const std::string& source,
-                           const std::vector<std::string>& assignments) {
-  toml::table root = parse(text, source);
-  Lines lines;
-  collect_lines(root, "", lines);
-  std::erase_if(lines, [added = line_of_added(text)](const auto& line) { return line.second > added; });
-  for (const std::string& assignment : assignments) assign(root, assignment);
-  std::multimap<toml::source_index, std::string> values;
-  collect_values(root, "", lines, values);
-
-  std::string out;
-  toml::source_index line = 1;
-  bool added = false;
-  for (const auto& [wanted, value] : values) {
-    if (wanted == kNoLine) {
-      if (!added) out += kAdded;
-      added = true;
-      out += value;
-      continue;
-    }
-    for (; line < wanted; ++line) out += '\n';
-    out += value;
-    ++line;
-  }
-  return out;
 }
 
 }  // namespace s2nnds

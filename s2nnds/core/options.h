@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -82,73 +83,84 @@ void FieldVisitor::list(std::string_view name, std::vector<T>& elements) {
   visit_list(name, list);
 }
 
-namespace options_detail {
-class AnyOptions {
+// No range, no choices.
+struct NoBound {};
+
+// For visitors that treat all types of fields alike: `Derived` has a member template each(name, value,
+// bound), where `bound` is a Range, the choices (a list of strings) or NoBound.
+template <typename Derived, typename Base = FieldVisitor>
+class UniformVisitor : public Base {
  public:
-  virtual ~AnyOptions() = default;
-  virtual void visit(FieldVisitor& visitor) = 0;
+  using Base::Base;
+  using Base::field;
+  void field(std::string_view name, bool& value) override { self().each(name, value, NoBound{}); }
+  void field(std::string_view name, std::int64_t& value, Range range) override {
+    self().each(name, value, range);
+  }
+  void field(std::string_view name, double& value, Range range) override { self().each(name, value, range); }
+  void field(std::string_view name, std::string& value, const std::vector<std::string>& choices) override {
+    self().each(name, value, choices);
+  }
+  void field(std::string_view name, std::vector<double>& value, Range range) override {
+    self().each(name, value, range);
+  }
+  void field(std::string_view name, std::vector<std::int64_t>& value, Range range) override {
+    self().each(name, value, range);
+  }
+  void field(std::string_view name, std::vector<std::string>& value) override {
+    self().each(name, value, NoBound{});
+  }
+
+ private:
+  Derived& self() { return static_cast<Derived&>(*this); }
 };
-template <typename T>
-struct Wrapped final : AnyOptions {
-  explicit Wrapped(T& all) : options(all) {}
-  void visit(FieldVisitor& visitor) override { options.visit(visitor); }
-  T& options;
-};
-void read_toml(const std::string& text, const std::string& source, AnyOptions& options);
-std::string to_toml(AnyOptions& options);
-std::string to_json(AnyOptions& options);
-void validate(AnyOptions& options);
-std::vector<std::pair<std::string, std::string>> flatten(AnyOptions& options);
+
+namespace options_detail {
+using Visit = std::function<void(FieldVisitor&)>;
+void read_toml(const std::string& text, const std::string& source, const std::vector<std::string>& settings,
+               const Visit& visit);
+std::string to_toml(const Visit& visit);
+std::string to_json(const Visit& visit);
+void validate(const Visit& visit);
+std::vector<std::pair<std::string, std::string>> flatten(const Visit& visit);
 }  // namespace options_detail
 
-// Sets the fields that the TOML `text` names; throws Error with `source`, line, key, what was found and what
-// was expected when a key is unknown (the nearest known one is suggested), has the wrong type or is out of
-// range. `options` stay as they were when it throws. A list of structs is an array of tables, which replaces
-// the old list.
+// Sets the fields that the TOML `text` and then the `settings` (see settings.h) name; throws Error with
+// `source`, line (or "setting"), key, what was found and what was expected when a key is unknown (the nearest
+// known one is suggested), has the wrong type or is out of range. `options` stay as they were when it throws.
+// A list of structs is an array of tables, which replaces the old list.
 template <typename T>
-void read_toml(const std::string& text, const std::string& source, T& options) {
+void read_toml(const std::string& text, const std::string& source, T& options,
+               const std::vector<std::string>& settings = {}) {
   T read = options;
-  options_detail::Wrapped<T> wrapped(read);
-  options_detail::read_toml(text, source, wrapped);
+  options_detail::read_toml(text, source, settings, [&](FieldVisitor& v) { read.visit(v); });
   options = std::move(read);
 }
 
 // Every field with its value, as TOML that read_toml takes back to the same options. Throws Error for NaN.
 template <typename T>
 std::string to_toml(T options) {
-  options_detail::Wrapped<T> wrapped(options);
-  return options_detail::to_toml(wrapped);
+  return options_detail::to_toml([&](FieldVisitor& v) { options.visit(v); });
 }
 
 // Every field with its value, as one JSON object with the fields in order; null for numbers that are not
 // finite.
 template <typename T>
 std::string to_json(T options) {
-  options_detail::Wrapped<T> wrapped(options);
-  return options_detail::to_json(wrapped);
+  return options_detail::to_json([&](FieldVisitor& v) { options.visit(v); });
 }
 
 // Throws Error naming field, value and bound for the first field out of its range. For options set in code.
 template <typename T>
 void validate(T options) {
-  options_detail::Wrapped<T> wrapped(options);
-  options_detail::validate(wrapped);
+  options_detail::validate([&](FieldVisitor& v) { options.visit(v); });
 }
 
 // (dotted key, value as text) of every field, in order; elements of a list of structs count from 0:
 // "of.0.radius".
 template <typename T>
 std::vector<std::pair<std::string, std::string>> flatten(T options) {
-  options_detail::Wrapped<T> wrapped(options);
-  return options_detail::flatten(wrapped);
+  return options_detail::flatten([&](FieldVisitor& v) { options.visit(v); });
 }
-
-// The TOML `text` with "a.b.c=value" assignments applied, in order; a value that is not TOML counts as a
-// string, and a number within the key picks an element of an array ("of.0.radius"). Values keep the line that
-// they had in `text`, so that messages about them stay right; new ones follow under a mark, by which messages
-// call them settings; comments go. Throws Error with `source` and line when `text` is not TOML, and naming
-// the assignment that cannot be made.
-std::string with_overrides(const std::string& text, const std::string& source,
-                           const std::vector<std::string>& assignments);
 
 }  // namespace s2nnds

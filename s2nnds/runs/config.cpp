@@ -64,21 +64,22 @@ Config default_config(const std::string& profile) {
   return config;
 }
 
-Config parse_config(const std::string& text, const std::string& source) {
+Config parse_config(const std::string& text, const std::string& source,
+                    const std::vector<std::string>& settings) {
   ProfileOnly chosen;
-  read_toml(text, source, chosen);
+  read_toml(text, source, chosen, settings);
   Config config = default_config(chosen.profile);
-  read_toml(text, source, config);
+  read_toml(text, source, config, settings);
   return config;
 }
 
-std::string read_config_text(const std::string& path, const std::vector<std::string>& assignments) {
+std::string read_config_text(const std::string& path) {
   std::ifstream file(path);
   check(file.good(), "{}: cannot read it; expected a configuration file (TOML)", path);
   std::ostringstream text;
   text << file.rdbuf();
   check(!file.bad(), "{}: cannot read it", path);
-  return with_overrides(text.str(), path, assignments);
+  return text.str();
 }
 
 }  // namespace s2nnds

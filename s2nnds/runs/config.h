@@ -56,10 +56,12 @@ struct Config {
 //   imitation: f alone, fitted without any condition and so without a guarantee, for comparison.
 Config default_config(const std::string& profile);
 
-// Reads TOML `text`; `source` names it in messages. Throws Error as read_toml does.
-Config parse_config(const std::string& text, const std::string& source);
+// Reads TOML `text` and the settings "a.b.c=value" on top of it (core/settings.h); `source` names the text in
+// messages. Throws Error as read_toml does.
+Config parse_config(const std::string& text, const std::string& source,
+                    const std::vector<std::string>& settings = {});
 
-// The text of a configuration file with "a.b.c=value" assignments applied. Throws Error if it cannot be read.
-std::string read_config_text(const std::string& path, const std::vector<std::string>& assignments);
+// The text of a configuration file. Throws Error if it cannot be read.
+std::string read_config_text(const std::string& path);
 
 }  // namespace s2nnds

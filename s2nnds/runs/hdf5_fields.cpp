@@ -5,27 +5,15 @@
 namespace s2nnds {
 namespace {
 
-class FieldWriter final : public FieldVisitor {
+// Keeps the path of the group that is being visited.
+class GroupVisitor : public FieldVisitor {
  public:
-  FieldWriter(Hdf5Writer& file, const std::string& group) : file_(file), groups_{group} {
-    file_.make_group(group);
-  }
-
-  void field(std::string_view name, bool& value) override { put(name, std::int64_t{value}); }
-  void field(std::string_view name, std::int64_t& value, Range) override { put(name, value); }
-  void field(std::string_view name, double& value, Range) override { put(name, value); }
-  void field(std::string_view name, std::string& value, const std::vector<std::string>&) override {
-    put(name, value);
-  }
-  void field(std::string_view name, std::vector<double>& value, Range) override { put(name, value); }
-  void field(std::string_view name, std::vector<std::int64_t>& value, Range) override { put(name, value); }
-  void field(std::string_view name, std::vector<std::string>& value) override { put(name, value); }
+  explicit GroupVisitor(const std::string& group) : groups_{group} {}
 
  protected:
-  void begin_group(std::string_view name) override {
-    groups_.push_back(fmt::format("{}/{}", groups_.back(), name));
-    file_.make_group(groups_.back());
-  }
+  const std::string& group() const { return groups_.back(); }
+
+  void begin_group(std::string_view name) override { groups_.push_back(fmt::format("{}/{}", group(), name)); }
   void end_group() override { groups_.pop_back(); }
   void visit_list(std::string_view name, StructList& list) override {
     begin_group(name);
@@ -38,71 +26,67 @@ class FieldWriter final : public FieldVisitor {
   }
 
  private:
-  template <typename T>
-  void put(std::string_view name, const T& value) {
-    file_.write_attribute(groups_.back(), std::string(name), value);
-  }
-  Hdf5Writer& file_;
   std::vector<std::string> groups_;
 };
 
-class FieldReader final : public FieldVisitor {
+class FieldWriter final : public UniformVisitor<FieldWriter, GroupVisitor> {
  public:
-  FieldReader(const Hdf5Reader& file, const std::string& group) : file_(file), groups_{group} {}
+  FieldWriter(Hdf5Writer& file, const std::string& group) : UniformVisitor(group), file_(file) {
+    file_.make_group(group);
+  }
 
-  void field(std::string_view name, bool& value) override {
-    value = file_.integer_attribute(groups_.back(), std::string(name)) != 0;
-  }
-  void field(std::string_view name, std::int64_t& value, Range) override {
-    value = file_.integer_attribute(groups_.back(), std::string(name));
-  }
-  void field(std::string_view name, double& value, Range) override {
-    value = file_.number_attribute(groups_.back(), std::string(name));
-  }
-  void field(std::string_view name, std::string& value, const std::vector<std::string>&) override {
-    value = file_.text_attribute(groups_.back(), std::string(name));
-  }
-  void field(std::string_view name, std::vector<double>& value, Range) override {
-    value = file_.numbers_attribute(groups_.back(), std::string(name));
-  }
-  void field(std::string_view name, std::vector<std::int64_t>& value, Range) override {
-    value = file_.integers_attribute(groups_.back(), std::string(name));
-  }
-  void field(std::string_view name, std::vector<std::string>& value) override {
-    value = file_.texts_attribute(groups_.back(), std::string(name));
+  template <typename T, typename Bound>
+  void each(std::string_view name, T& value, const Bound&) {
+    if constexpr (std::is_same_v<T, bool>) {
+      file_.write_attribute(group(), std::string(name), std::int64_t{value});
+    } else {
+      file_.write_attribute(group(), std::string(name), value);
+    }
   }
 
  protected:
   void begin_group(std::string_view name) override {
-    groups_.push_back(fmt::format("{}/{}", groups_.back(), name));
+    GroupVisitor::begin_group(name);
+    file_.make_group(group());
   }
-  void end_group() override { groups_.pop_back(); }
-  void visit_list(std::string_view name, StructList& list) override {
-    begin_group(name);
-    list.resize(file_.children(groups_.back()).size());
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      begin_group(std::to_string(i));
-      list.visit(i, *this);
-      end_group();
+
+ private:
+  Hdf5Writer& file_;
+};
+
+class FieldReader final : public UniformVisitor<FieldReader, GroupVisitor> {
+ public:
+  FieldReader(const Hdf5Reader& file, const std::string& group) : UniformVisitor(group), file_(file) {}
+
+  template <typename T, typename Bound>
+  void each(std::string_view name, T& value, const Bound&) {
+    if constexpr (std::is_same_v<T, bool>) {
+      value = file_.attribute<std::int64_t>(group(), std::string(name)) != 0;
+    } else {
+      value = file_.attribute<T>(group(), std::string(name));
     }
-    end_group();
+  }
+
+ protected:
+  void visit_list(std::string_view name, StructList& list) override {
+    list.resize(file_.children(fmt::format("{}/{}", group(), name)).size());
+    GroupVisitor::visit_list(name, list);
   }
 
  private:
   const Hdf5Reader& file_;
-  std::vector<std::string> groups_;
 };
 
 }  // namespace
 
-void write_fields(Hdf5Writer& file, const std::string& group, options_detail::AnyOptions& fields) {
+void options_detail::write_fields(Hdf5Writer& file, const std::string& group, const Visit& visit) {
   FieldWriter writer(file, group);
-  fields.visit(writer);
+  visit(writer);
 }
 
-void read_fields(const Hdf5Reader& file, const std::string& group, options_detail::AnyOptions& fields) {
+void options_detail::read_fields(const Hdf5Reader& file, const std::string& group, const Visit& visit) {
   FieldReader reader(file, group);
-  fields.visit(reader);
+  visit(reader);
 }
 
 }  // namespace s2nnds

@@ -11,7 +11,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/runs/hdf5_fields.h"
-#include "s2nnds/runs/hdf5_file.h"
+#include "s2nnds/core/hdf5.h"
 
 namespace s2nnds {
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 
 #include "s2nnds/core/atomic_file.h"
-#include "s2nnds/runs/hdf5_file.h"
+#include "s2nnds/core/hdf5.h"
 
 namespace s2nnds {
 namespace {

@@ -28,7 +28,7 @@ std::string read_text(const std::string& path) {
 Config try_settings(const BaseConfig& base, const std::vector<std::string>& settings,
                     const std::string& what) {
   try {
-    return parse_config(with_overrides(base.text, base.path, settings), base.path);
+    return parse_config(base.text, base.path, settings);
   } catch (const Error& error) {
     fail("{}: {}", what, error.what());
   }
@@ -37,7 +37,7 @@ Config try_settings(const BaseConfig& base, const std::vector<std::string>& sett
 BaseConfig read_base(const std::string& folder, const std::string& config) {
   BaseConfig base;
   base.path = (fs::path(folder) / config).string();
-  base.text = read_config_text(base.path, {});
+  base.text = read_config_text(base.path);
   base.name = parse_config(base.text, base.path).name;
   check(!base.name.empty() && base.name.find_first_of("/\n") == std::string::npos && base.name[0] != '.',
         "{}: name: expected a file's name, found \"{}\"", base.path, base.name);

@@ -6,6 +6,7 @@
 
 #include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/settings.h"
 
 namespace s2nnds {
 namespace {
@@ -35,14 +36,14 @@ std::string frozen_text(const Sweep& sweep) {
   for (const BaseConfig& base : sweep.configs) {
     names += fmt::format("{}\"configs/{}.toml\"", names.empty() ? "" : ", ", base.name);
   }
-  return with_overrides(sweep.text, "the sweep", {fmt::format("configs=[{}]", names)});
+  return with_settings(sweep.text, "the sweep", {fmt::format("configs=[{}]", names)});
 }
 
 // Random and Sobol designs begin with the points of a smaller one, and without halving their trials have the
 // same numbers.
 bool is_larger(const Sweep& sweep, const std::string& text, const std::string& there,
                const std::string& path) {
-  const auto without_points = [&](const std::string& a) { return with_overrides(a, path, {"points=0"}); };
+  const auto without_points = [&](const std::string& a) { return with_settings(a, path, {"points=0"}); };
   return sweep.options.design != "grid" && sweep.options.rungs() == 1 &&
          without_points(there) == without_points(text) &&
          read_sweep_options(there, path).points <= sweep.options.points;

@@ -63,7 +63,7 @@ void SweepOptions::visit(FieldVisitor& v) {
 
 SweepOptions read_sweep_options(const std::string& text, const std::string& source) {
   SweepOptions options;
-  read_toml(with_overrides(text, source, {"axes={}"}), source, options);
+  read_toml(text, source, options, {"axes={}"});
   check_different(source, "configs", options.configs);
   check_different(source, "seeds", options.seeds);
   const bool drawn = options.design == "random" || options.design == "sobol";

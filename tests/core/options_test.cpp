@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/settings.h"
 
 namespace s2nnds {
 namespace {
@@ -303,13 +304,21 @@ TEST(Flatten, ListsDottedKeysInOrder) {
   EXPECT_EQ(flatten(settings), expected);
 }
 
-Settings overridden(const std::string& text, const std::vector<std::string>& assignments) {
-  Settings settings;
-  read_toml(with_overrides(text, "my.toml", assignments), "my.toml", settings);
-  return settings;
+Settings set(const std::string& text, const std::vector<std::string>& settings) {
+  Settings options;
+  read_toml(text, "my.toml", options, settings);
+  // The text with the settings in it says the same.
+  Settings again;
+  read_toml(with_settings(text, "my.toml", settings), "again", again);
+  EXPECT_EQ(again, options);
+  return options;
 }
 
-TEST(WithOverrides, SetsOldAndNewKeys) {
+std::string set_error(const std::string& text, const std::vector<std::string>& settings) {
+  return error_of([&] { set(text, settings); });
+}
+
+TEST(Settings, SetOldAndNewKeys) {
   const std::string text = R"(seed = 1
 "name" = "old"
 [training]   # a comment
@@ -319,9 +328,9 @@ shape = {type = "ball", radius = 2}
 [[inners]]
 depth = 3
 )";
-  const Settings settings = overridden(
-      text, {"seed=7", "training.rate = 1e-2", "training.rounds=6", "name=Sine wave", "weights=[1, 2, 3]",
-             "inner.shape.radius=0.5", "inners.0.depth=4", "resume=true", "files=[\"a.csv\"]", "seed=8"});
+  const Settings settings =
+      set(text, {"seed=7", "training.rate = 1e-2", "training.rounds=6", "name=Sine wave", "weights=[1, 2, 3]",
+                 "inner.shape.radius=0.5", "inners.0.depth=4", "resume=true", "files=[\"a.csv\"]", "seed=8"});
   Settings expected;
   expected.seed = 8;
   expected.name = "Sine wave";
@@ -334,57 +343,51 @@ depth = 3
   EXPECT_EQ(settings, expected);
 }
 
-TEST(WithOverrides, KeepsTextAsItIsToTheReader) {
+TEST(Settings, TextKeepsWhatItSays) {
   const std::string text = to_toml(unusual_settings());
-  EXPECT_EQ(overridden(text, {}), unusual_settings()) << with_overrides(text, "my.toml", {});
+  EXPECT_EQ(with_settings(text, "my.toml", {}), text);
+  EXPECT_EQ(set(text, {"training.rounds=7"}), unusual_settings());
+  EXPECT_TRUE(std::signbit(set(text, {"training.rounds=7"}).inner.shape.of[1].lower[1]));
 }
 
-TEST(WithOverrides, KeepsLineNumbers) {
+TEST(Settings, MessagesNameTheLineOrTheSetting) {
   const std::string text = "# head\n\nseed = 1\n\n[training]\nroundz = 3\nrate = 0.1\n";
-  EXPECT_EQ(error_of([&] {
-              overridden(text, {"seed=2", "name=x"});
-            }),
+  EXPECT_EQ(set_error(text, {"seed=2", "name=x"}),
             "my.toml:6: unknown key training.roundz; did you mean training.rounds?");
-  EXPECT_EQ(error_of([&] { overridden("\n\nweights = [1,\n2]\nseed = \"x\"", {"name=y"}); }),
+  EXPECT_EQ(set_error("\n\nweights = [1,\n2]\nseed = \"x\"", {"name=y"}),
             "my.toml:5: seed: expected an integer, found a string \"x\"");
-}
-
-TEST(WithOverrides, WhatItAddsIsOnNoLine) {
-  const std::string text = "seed = 1\n[training]\nrate = 0.1\n";
-  const std::string wrong = "my.toml, setting: unknown key training.roundz; did you mean training.rounds?";
-  EXPECT_EQ(error_of([&] { overridden(text, {"training.roundz=3"}); }), wrong);
-  EXPECT_EQ(error_of([&] {
-              overridden(text, {"name=x", "training.rounds=0"});
-            }),
+  const std::string right = "seed = 1\n[training]\nrate = 0.1\n";
+  EXPECT_EQ(set_error(right, {"training.roundz=3"}),
+            "my.toml, setting: unknown key training.roundz; did you mean training.rounds?");
+  EXPECT_EQ(set_error(right, {"inner={dept=3}"}),
+            "my.toml, setting: unknown key inner.dept; did you mean inner.depth?");
+  EXPECT_EQ(set_error(right, {"name=x", "training.rounds=0"}),
             "my.toml, setting: training.rounds: expected a number >= 1, found 0");
-  // Still so when it was added earlier, among others.
-  EXPECT_EQ(error_of([&] { overridden(with_overrides(text, "my.toml", {"training.roundz=3"}), {"name=x"}); }),
-            wrong);
+  EXPECT_EQ(set_error(right, {"weights=[1, -1]"}),
+            "my.toml, setting: weights[1]: expected a number >= 0, found -1");
+  EXPECT_EQ(set_error(right, {"seed=two"}),
+            "my.toml, setting: seed: expected an integer, found a string \"two\"");
 }
 
-TEST(WithOverrides, AValueThatIsNotTomlIsAString) {
-  EXPECT_EQ(overridden("", {"name=one two"}).name, "one two");
-  EXPECT_EQ(overridden("", {"name=a=b"}).name, "a=b");
-  EXPECT_EQ(overridden("", {"name=\"3\""}).name, "3");
-  EXPECT_EQ(overridden("", {"name="}).name, "");
-  EXPECT_EQ(overridden("", {"name=1\nseed = 5"}).name, "1\nseed = 5");
+TEST(Settings, AValueThatIsNotTomlIsAString) {
+  EXPECT_EQ(set("", {"name=paper"}).name, "paper");
+  EXPECT_EQ(set("", {"inner.shape.type=ball"}).inner.shape.type, "ball");
+  EXPECT_EQ(set("", {"name=one two"}).name, "one two");
+  EXPECT_EQ(set("", {"name=a=b"}).name, "a=b");
+  EXPECT_EQ(set("", {"name=\"3\""}).name, "3");
+  EXPECT_EQ(set("", {"name="}).name, "");
+  EXPECT_EQ(set("", {"name=1\nseed = 5"}).name, "1\nseed = 5");
 }
 
-TEST(WithOverrides, RefusesWhatCannotBeSet) {
-  EXPECT_EQ(error_of([] { with_overrides("", "my.toml", {"seed"}); }),
-            "setting \"seed\": expected key=value");
-  EXPECT_EQ(error_of([] { with_overrides("", "my.toml", {"a..b=1"}); }),
-            "setting \"a..b=1\": expected a dotted key before \"=\"");
-  EXPECT_EQ(error_of([] { with_overrides("", "my.toml", {"=1"}); }),
-            "setting \"=1\": expected a dotted key before \"=\"");
-  EXPECT_EQ(error_of([] { with_overrides("seed = 1", "my.toml", {"seed.x=1"}); }),
-            "setting \"seed.x=1\": there is no x to set");
-  EXPECT_EQ(error_of([] { with_overrides("inners = [{}]", "my.toml", {"inners.1.depth=1"}); }),
+TEST(Settings, WhatCannotBeSetIsRefused) {
+  EXPECT_EQ(set_error("", {"seed"}), "setting \"seed\": expected key=value");
+  EXPECT_EQ(set_error("", {"a..b=1"}), "setting \"a..b=1\": expected a dotted key before \"=\"");
+  EXPECT_EQ(set_error("", {"=1"}), "setting \"=1\": expected a dotted key before \"=\"");
+  EXPECT_EQ(set_error("seed = 1", {"seed.x=1"}), "setting \"seed.x=1\": there is no x to set");
+  EXPECT_EQ(set_error("inners = [{}]", {"inners.1.depth=1"}),
             "setting \"inners.1.depth=1\": there is no 1 to set it in");
-  EXPECT_EQ(error_of([] { with_overrides("seed = 1", "my.toml", {"seed.x.y=1"}); }),
-            "setting \"seed.x.y=1\": there is no x to set it in");
-  EXPECT_TRUE(
-      error_of([] { with_overrides("seed = ", "my.toml", {}); }).starts_with("my.toml:1: not TOML: "));
+  EXPECT_EQ(set_error("seed = 1", {"seed.x.y=1"}), "setting \"seed.x.y=1\": there is no x to set it in");
+  EXPECT_TRUE(error_of([] { with_settings("seed = ", "my.toml", {}); }).starts_with("my.toml:1: not TOML: "));
 }
 
 }  // namespace

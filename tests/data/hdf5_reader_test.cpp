@@ -12,12 +12,12 @@
 namespace s2nnds {
 namespace {
 
-class Hdf5Reader : public testing::Test {
+class Hdf5Demonstrations : public testing::Test {
  protected:
-  Hdf5Reader() : path_(folder_.path("made.h5")) {
+  Hdf5Demonstrations() : path_(folder_.path("made.h5")) {
     file_ = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   }
-  ~Hdf5Reader() override { close(); }
+  ~Hdf5Demonstrations() override { close(); }
 
   void close() {
     if (file_ >= 0) H5Fclose(file_);
@@ -53,7 +53,7 @@ class Hdf5Reader : public testing::Test {
   const Points velocity_{{7, 8, 1}, {9, 10, 2}, {11, 12, 3}};
 };
 
-TEST_F(Hdf5Reader, RoundTripInOrderOfNumber) {
+TEST_F(Hdf5Demonstrations, RoundTripInOrderOfNumber) {
   put_demonstration("10", 10 * position_);
   put_demonstration("2", 2 * position_);
   put("/demonstrations/2/velocity", velocity_);
@@ -68,49 +68,52 @@ TEST_F(Hdf5Reader, RoundTripInOrderOfNumber) {
   EXPECT_TRUE(set.demonstrations[1].velocity.isApprox(Points::Constant(3, 3, 40)));  // differentiated
 }
 
-TEST_F(Hdf5Reader, TakesOtherNumberTypesAndTimeAsAColumn) {
+TEST_F(Hdf5Demonstrations, TakesOtherNumberTypesAndTimeAsAColumn) {
   put("/demonstrations/0/time", Points{{0}, {1}}, 2, H5T_STD_I32BE);
   put("/demonstrations/0/position", Points{{0.5, 1}, {1.5, 3}}, 2, H5T_NATIVE_FLOAT);
   close();
   EXPECT_EQ(read_hdf5(path_).demonstrations[0].velocity.row(0), Eigen::RowVector2d(1, 2));
 }
 
-TEST_F(Hdf5Reader, NoDemonstrations) { expect_rejected("made.h5: found no group /demonstrations; expected"); }
+TEST_F(Hdf5Demonstrations, NoDemonstrations) {
+  expect_rejected("made.h5: expected a group /demonstrations, found none");
+}
 
-TEST_F(Hdf5Reader, NoPosition) {
+TEST_F(Hdf5Demonstrations, NoPosition) {
   put("/demonstrations/0/time", time_, 1);
-  expect_rejected("/demonstrations/0: found no dataset 'position'; expected");
+  expect_rejected("made.h5: expected a dataset /demonstrations/0/position, found none");
 }
 
-TEST_F(Hdf5Reader, ADatasetInsteadOfAGroup) {
+TEST_F(Hdf5Demonstrations, ADatasetInsteadOfAGroup) {
   put("/demonstrations/0", time_);
-  expect_rejected("/demonstrations/0: found no group");
+  expect_rejected("made.h5: expected a dataset /demonstrations/0/time, found none");
 }
 
-TEST_F(Hdf5Reader, WrongShapes) {
+TEST_F(Hdf5Demonstrations, WrongShapes) {
   put("/demonstrations/0/time", Points{{0}, {1}}, 1);
   put("/demonstrations/0/position", position_);
   expect_rejected("/demonstrations/0: found 2 times for 3 positions");
 }
 
-TEST_F(Hdf5Reader, NotANumber) {
+TEST_F(Hdf5Demonstrations, NotANumber) {
   put_demonstration("0", Points(position_ / 0.0 * 0.0));
   expect_rejected("/demonstrations/0: found a position that is NaN or infinite");
 }
 
-TEST_F(Hdf5Reader, OneSample) {
+TEST_F(Hdf5Demonstrations, OneSample) {
   put("/demonstrations/0/time", Points{{0}}, 1);
   put("/demonstrations/0/position", Points{{1, 2}});
   expect_rejected("/demonstrations/0: found 1 sample(s)");
 }
 
-TEST_F(Hdf5Reader, MissingTruncatedOrAnotherFormat) {
+TEST_F(Hdf5Demonstrations, MissingTruncatedOrAnotherFormat) {
   put_demonstration("0", position_);
   close();
   expect_error([&] { read_hdf5(folder_.path("none.h5")); }, "none.h5: found no such file");
-  expect_error([&] { read_hdf5(folder_.write("text.h5", "time,x,y\n")); }, "text.h5: found no HDF5 file");
+  expect_error([&] { read_hdf5(folder_.write("text.h5", "time,x,y\n")); },
+               "text.h5: expected a whole HDF5 file");
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
-  expect_error([&] { read_hdf5(path_); }, "made.h5: found no HDF5 file, or a truncated one");
+  expect_error([&] { read_hdf5(path_); }, "made.h5: expected a whole HDF5 file");
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <functional>
 #include <regex>
 
-#include "s2nnds/runs/hdf5_file.h"
+#include "s2nnds/core/hdf5.h"
 #include "s2nnds/runs/version.h"
 #include "tests/runs/temporary_directory.h"
 

@@ -1,0 +1,88 @@
+#include "s2nnds/core/settings.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+std::string trimmed(const std::string& text) {
+  const auto begin = text.find_first_not_of(" \t");
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+// A table that holds the value under the key "value".
+toml::table parse_value(const std::string& text) {
+  try {
+    toml::table table = toml::parse("value = " + text);
+    if (table.size() == 1) return table;
+  } catch (const toml::parse_error&) {  // not TOML, so a string that was given without quotes
+  }
+  toml::table table;
+  table.insert_or_assign("value", text);
+  return table;
+}
+
+// The element of `parent` of that name; a table is made where a table lacks it. Null: there can be none.
+toml::node* child(toml::node& parent, const std::string& name) {
+  if (auto* table = parent.as_table()) {
+    if (!table->contains(name)) table->insert(name, toml::table{});
+    return table->get(name);
+  }
+  auto* array = parent.as_array();
+  const bool is_index =
+      !name.empty() && name.size() < 10 &&
+      std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c); });
+  return array != nullptr && is_index ? array->get(std::stoul(name)) : nullptr;
+}
+
+}  // namespace
+
+toml::table parse_toml(const std::string& text, const std::string& source) {
+  try {
+    return toml::parse(text, source);
+  } catch (const toml::parse_error& error) {
+    fail("{}:{}: not TOML: {}", source, error.source().begin.line, error.description());
+  }
+}
+
+void apply_setting(toml::table& document, const std::string& setting) {
+  const auto equals = setting.find('=');
+  check(equals != std::string::npos, "setting \"{}\": expected key=value", setting);
+  std::vector<std::string> path;
+  std::istringstream keys(trimmed(setting.substr(0, equals)) + ".");
+  for (std::string key; std::getline(keys, key, '.');) {
+    check(!key.empty(), "setting \"{}\": expected a dotted key before \"=\"", setting);
+    path.push_back(key);
+  }
+  const std::string name = path.back();
+  path.pop_back();
+  toml::node* parent = &document;
+  for (const std::string& key : path) {
+    parent = child(*parent, key);
+    check(parent != nullptr, "setting \"{}\": there is no {} to set it in", setting, key);
+  }
+  const toml::table holder = parse_value(trimmed(setting.substr(equals + 1)));
+  const toml::node& value = *holder.get("value");
+  if (auto* table = parent->as_table()) {
+    value.visit([&](const auto& node) { table->insert_or_assign(name, node); });
+    return;
+  }
+  check(child(*parent, name) != nullptr, "setting \"{}\": there is no {} to set", setting, name);
+  auto* array = parent->as_array();
+  value.visit([&](const auto& node) { array->replace(array->cbegin() + std::stol(name), node); });
+}
+
+std::string with_settings(const std::string& text, const std::string& source,
+                          const std::vector<std::string>& settings) {
+  toml::table document = parse_toml(text, source);
+  if (settings.empty()) return text;
+  for (const std::string& setting : settings) apply_setting(document, setting);
+  std::ostringstream out;
+  out << toml::toml_formatter(document) << '\n';
+  return out.str();
+}
+
+}  // namespace s2nnds
