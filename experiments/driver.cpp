@@ -71,8 +71,7 @@ void check_data(const Sweep& sweep, const Arguments& arguments) {
     const Trial trial = sweep.trial(id);
     if (!seen.insert(trial.config).second) continue;
     const BaseConfig& base = sweep.configs[static_cast<std::size_t>(trial.config)];
-    const std::string text = with_overrides(base.text, base.path, sweep.settings(trial));
-    prepare(parse_config(text, base.path), arguments.data);
+    prepare(parse_config(base.text, base.path, sweep.settings(trial)), arguments.data);
   }
 }
 

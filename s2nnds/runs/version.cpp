@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <boost/version.hpp>
 
-#include "s2nnds/runs/hdf5_file.h"
+#include "s2nnds/core/hdf5.h"
 
 namespace s2nnds {
 

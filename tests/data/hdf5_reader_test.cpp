@@ -75,6 +75,29 @@ TEST_F(Hdf5Demonstrations, TakesOtherNumberTypesAndTimeAsAColumn) {
   EXPECT_EQ(read_hdf5(path_).demonstrations[0].velocity.row(0), Eigen::RowVector2d(1, 2));
 }
 
+// As h5py writes it with compression="gzip": more numbers than the file has bytes for.
+TEST_F(Hdf5Demonstrations, ReadsCompressedData) {
+  const Eigen::Index count = 50'000;
+  put("/demonstrations/0/time", Points(Vector::LinSpaced(count, 0.0, 1.0)), 1, H5T_NATIVE_FLOAT);
+  Points position = Points::Zero(count, 3);
+  position.topRows(1000).setConstant(0.5);
+  const hsize_t size[2] = {static_cast<hsize_t>(count), 3};
+  const hsize_t chunk[2] = {1000, 3};
+  const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(creation, 2, chunk);
+  H5Pset_deflate(creation, 6);
+  const hid_t space = H5Screate_simple(2, size, nullptr);
+  const hid_t set = H5Dcreate2(file_, "/demonstrations/0/position", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT,
+                               creation, H5P_DEFAULT);
+  H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, position.data());
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Pclose(creation);
+  close();
+  EXPECT_LT(std::filesystem::file_size(path_), static_cast<std::size_t>(position.size()) * sizeof(double));
+  EXPECT_EQ(read_hdf5(path_).demonstrations[0].position, position);
+}
+
 TEST_F(Hdf5Demonstrations, NoDemonstrations) {
   expect_rejected("made.h5: expected a group /demonstrations, found none");
 }
