@@ -11,12 +11,6 @@ BarrierImpl::BarrierImpl(std::int64_t dimension, const BarrierOptions& options, 
 
 torch::Tensor BarrierImpl::forward(const torch::Tensor& x) { return network(x).squeeze(1); }
 
-std::pair<torch::Tensor, torch::Tensor> BarrierImpl::forward_tangent(const torch::Tensor& x,
-                                                                     const torch::Tensor& direction) {
-  const auto [value, derivative] = network->forward_tangent(x, direction);
-  return {value.squeeze(1), derivative.squeeze(1)};
-}
-
 NetworkWeights BarrierImpl::snapshot() const { return {network->layers(), Head::plain, 0.0}; }
 
 void BarrierImpl::restore(const NetworkWeights& stack) {

@@ -38,7 +38,7 @@ BasicEvaluator<T>::BasicEvaluator(const NetworkWeights& stack)
   at_origin_.setZero(1, network_.outputs());
   if (head_ != Head::plain) {
     const std::vector<T> zero(static_cast<std::size_t>(network_.inputs()), T(0));
-    network_.forward(1, zero.data(), nullptr, at_origin_.data(), nullptr, nullptr);
+    network_.forward(1, zero.data(), nullptr, at_origin_.data(), nullptr);
   }
 }
 
@@ -48,7 +48,7 @@ Points BasicEvaluator<T>::value(const Points& x) const {
         input_dimension());
   const auto& at = in_precision<T>(x);
   Matrix raw(x.rows(), network_.outputs());
-  network_.forward(x.rows(), at.data(), nullptr, raw.data(), nullptr, nullptr);
+  network_.forward(x.rows(), at.data(), nullptr, raw.data(), nullptr);
   raw.rowwise() -= at_origin_.row(0);
   if (head_ != Head::squared_norm) return raw.template cast<double>();
   return raw.rowwise().squaredNorm().template cast<double>() + quadratic_ * x.rowwise().squaredNorm();
@@ -64,7 +64,7 @@ void BasicEvaluator<T>::value_and_derivative(const Points& x, const Points& dire
   const auto& at = in_precision<T>(x);
   const auto& along = in_precision<T>(direction);
   Matrix raw(x.rows(), network_.outputs()), tangent(x.rows(), network_.outputs());
-  network_.forward(x.rows(), at.data(), along.data(), raw.data(), tangent.data(), nullptr);
+  network_.forward(x.rows(), at.data(), along.data(), raw.data(), tangent.data());
   raw.rowwise() -= at_origin_.row(0);
   if (head_ != Head::squared_norm) {
     value = raw.template cast<double>();

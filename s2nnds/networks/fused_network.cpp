@@ -16,7 +16,6 @@ constexpr ptrdiff_t kTileRows = FusedNetwork<float>::tile_rows;
 // Memory of a tile's sweeps, in tiles of the widest layer.
 constexpr ptrdiff_t kForwardScratch = 8, kBackwardScratch = 7;
 constexpr ptrdiff_t kPartsPerThread = 4;  // of a forward sweep
-constexpr ptrdiff_t kGradientChunks = 8;  // partial gradients, summed in order whatever the number of threads
 constexpr ptrdiff_t kLeastParallelWork =
     1000000;  // products; less is done before a second thread has woken up
 // The layers' values on the tape: activation, its tangent, sigma'(z), and dz sigma''(z).
@@ -91,7 +90,7 @@ void FusedNetwork<T>::load(const T* parameters) {
 
 template <typename T>
 void FusedNetwork<T>::forward_tile(ptrdiff_t rows, const T* x, const T* direction, T* value, T* derivative,
-                                   T* scratch, T* tape, ptrdiff_t tape_samples, ptrdiff_t first) const {
+                                   T* scratch, T* tape) const {
   const DenseKernels<T>& kernels = dense_kernels<T>();
   const ptrdiff_t tile = kTileRows * widest_;
   T* z = scratch;
@@ -117,9 +116,7 @@ void FusedNetwork<T>::forward_tile(ptrdiff_t rows, const T* x, const T* directio
     T* first_derivative = slope;
     T* scaled_second = curve;
     if (tape) {
-      const auto at = [&](int quantity) {
-        return tape + (quantity * tape_width_ + p.tape) * tape_samples + first * width;
-      };
+      const auto at = [&](int quantity) { return tape + (quantity * tape_width_ + p.tape) * kTileRows; };
       next = at(0);
       next_tangent = at(1);
       first_derivative = at(2);
@@ -142,15 +139,9 @@ void FusedNetwork<T>::forward_tile(ptrdiff_t rows, const T* x, const T* directio
 }
 
 template <typename T>
-void FusedNetwork<T>::forward(ptrdiff_t samples, const T* x, const T* direction, T* value, T* derivative,
-                              Tape* tape) const {
+void FusedNetwork<T>::forward(ptrdiff_t samples, const T* x, const T* direction, T* value,
+                              T* derivative) const {
   const ptrdiff_t n = inputs(), m = outputs();
-  T* recorded = nullptr;
-  if (tape) {
-    tape->samples = samples;
-    tape->tangent = direction != nullptr;
-    recorded = tape->memory.reserve(kTapeQuantities * tape_width_ * samples);
-  }
   const ptrdiff_t tiles = (samples + kTileRows - 1) / kTileRows;
   const auto run = [&](ptrdiff_t begin, ptrdiff_t end) {
     Buffer<T> scratch;
@@ -158,7 +149,7 @@ void FusedNetwork<T>::forward(ptrdiff_t samples, const T* x, const T* direction,
     for (ptrdiff_t t = begin; t < end; ++t) {
       const ptrdiff_t first = t * kTileRows, rows = std::min(kTileRows, samples - first);
       forward_tile(rows, x + first * n, direction ? direction + first * n : nullptr, value + first * m,
-                   direction ? derivative + first * m : nullptr, scratch.data(), recorded, samples, first);
+                   direction ? derivative + first * m : nullptr, scratch.data(), nullptr);
     }
   };
   if (samples * parameters() < kLeastParallelWork) return run(0, tiles);
@@ -179,9 +170,8 @@ void pad(ptrdiff_t rows, ptrdiff_t n, const T* from, ptrdiff_t width, T* to) {
 
 template <typename T>
 void FusedNetwork<T>::backward_tile(ptrdiff_t rows, const T* x, const T* direction, const T* tape,
-                                    ptrdiff_t tape_samples, ptrdiff_t first, const T* adjoint_value,
-                                    const T* adjoint_derivative, T* gradient, T* adjoint_direction,
-                                    T* scratch) const {
+                                    const T* adjoint_value, const T* adjoint_derivative, T* gradient,
+                                    T* adjoint_direction, T* scratch) const {
   const DenseKernels<T>& kernels = dense_kernels<T>();
   const ptrdiff_t tile = kTileRows * widest_;
   T* adjoint = scratch;                 // of z, before that of the activation
@@ -203,7 +193,7 @@ void FusedNetwork<T>::backward_tile(ptrdiff_t rows, const T* x, const T* directi
     const Packed& p = packed_[l];
     const ptrdiff_t width = p.out_width, depth = p.shape.outputs;
     const auto at = [&](const Packed& layer, int quantity) {
-      return tape + (quantity * tape_width_ + layer.tape) * tape_samples + first * layer.out_width;
+      return tape + (quantity * tape_width_ + layer.tape) * kTileRows;
     };
     kernels.pull_adjoint(rows * width, at(p, 2), at(p, 3), adjoint, direction ? adjoint_tangent : nullptr);
 
@@ -237,40 +227,6 @@ void FusedNetwork<T>::backward_tile(ptrdiff_t rows, const T* x, const T* directi
 }
 
 template <typename T>
-void FusedNetwork<T>::backward(const T* x, const T* direction, const Tape& tape, const T* adjoint_value,
-                               const T* adjoint_derivative, T* parameter_gradient,
-                               T* adjoint_direction) const {
-  const ptrdiff_t samples = tape.samples, n = inputs(), m = outputs();
-  const ptrdiff_t tiles = (samples + kTileRows - 1) / kTileRows;
-  const ptrdiff_t chunks = std::min(kGradientChunks, tiles);
-  Buffer<T> partial;
-  partial.reserve(chunks * gradient_size_);
-  const auto run = [&](ptrdiff_t c, int) {
-    Buffer<T> scratch;
-    scratch.reserve(kBackwardScratch * kTileRows * widest_);
-    T* gradient = partial.data() + c * gradient_size_;
-    std::fill(gradient, gradient + gradient_size_, T(0));
-    for (ptrdiff_t t = tiles * c / chunks; t < tiles * (c + 1) / chunks; ++t) {
-      const ptrdiff_t first = t * kTileRows, rows = std::min(kTileRows, samples - first);
-      backward_tile(
-          rows, x + first * n, tape.tangent ? direction + first * n : nullptr, tape.memory.data(), samples,
-          first, adjoint_value + first * m, tape.tangent ? adjoint_derivative + first * m : nullptr, gradient,
-          tape.tangent && adjoint_direction ? adjoint_direction + first * n : nullptr, scratch.data());
-    }
-  };
-  if (samples * parameters() < kLeastParallelWork) {
-    for (ptrdiff_t c = 0; c < chunks; ++c) run(c, 0);
-  } else {
-    parallel_for(chunks, run);
-  }
-  T* total = partial.data();
-  for (ptrdiff_t c = 1; c < chunks; ++c) {
-    for (ptrdiff_t i = 0; i < gradient_size_; ++i) total[i] += partial.data()[c * gradient_size_ + i];
-  }
-  unpack_gradient(total, parameter_gradient);
-}
-
-template <typename T>
 void FusedNetwork<T>::unpack_gradient(const T* packed, T* parameter_gradient) const {
   for (const Packed& p : packed_) {
     T* to = parameter_gradient + p.parameter;
@@ -301,12 +257,12 @@ void FusedTile<T>::forward(ptrdiff_t rows, const T* x, const T* direction, T* va
   rows_ = rows;
   x_ = x;
   direction_ = direction;
-  network_.forward_tile(rows, x, direction, value, derivative, scratch_.data(), tape_.data(), kTileRows, 0);
+  network_.forward_tile(rows, x, direction, value, derivative, scratch_.data(), tape_.data());
 }
 
 template <typename T>
 void FusedTile<T>::backward(const T* adjoint_value, const T* adjoint_derivative, T* adjoint_direction) {
-  network_.backward_tile(rows_, x_, direction_, tape_.data(), kTileRows, 0, adjoint_value, adjoint_derivative,
+  network_.backward_tile(rows_, x_, direction_, tape_.data(), adjoint_value, adjoint_derivative,
                          gradient_.data(), direction_ ? adjoint_direction : nullptr, scratch_.data());
 }
 

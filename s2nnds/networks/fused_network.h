@@ -40,12 +40,11 @@ class Buffer {
   std::size_t capacity_ = 0;
 };
 
-// N(x) of a fully connected network and its derivative along a direction, and the reverse sweep through both,
-// tile by tile so that activations stay in cache. With
+// N(x) of a fully connected network and its derivative along a direction, and, with FusedTile, the reverse
+// sweep through both, tile by tile so that activations stay in cache. With
 //   z = W a + b,  a' = sigma(z),  dz = W da,  da' = sigma'(z) dz,  and A, T the adjoints of a', da':
 //   adj dz = T sigma'(z),  adj z = A sigma'(z) + T dz sigma''(z),  dW += adj_z a^T + adj_dz da^T.
-// Rows are samples. Work is shared over threads in fixed chunks, whose gradients are summed in order:
-// results do not depend on the number of threads.
+// Rows are samples. Results do not depend on the number of threads.
 template <typename T>
 class FusedNetwork {
  public:
@@ -61,22 +60,8 @@ class FusedNetwork {
   // Flat parameters: per layer the weight [out, in] row-major, then the bias [out] if it has one.
   void load(const T* parameters);
 
-  // What the reverse sweep needs of a forward sweep.
-  struct Tape {
-    Buffer<T> memory;
-    std::ptrdiff_t samples = 0;
-    bool tangent = false;
-  };
-
   // value [samples, outputs]; if direction [samples, inputs] is not null, also derivative [samples, outputs].
-  // Fills the tape if it is not null.
-  void forward(std::ptrdiff_t samples, const T* x, const T* direction, T* value, T* derivative,
-               Tape* tape) const;
-
-  // Given the adjoints of value and (if the tape has a tangent) of derivative, writes the gradient of the
-  // flat parameters [parameters()] and, unless null, the adjoint of the direction [samples, inputs].
-  void backward(const T* x, const T* direction, const Tape& tape, const T* adjoint_value,
-                const T* adjoint_derivative, T* parameter_gradient, T* adjoint_direction) const;
+  void forward(std::ptrdiff_t samples, const T* x, const T* direction, T* value, T* derivative) const;
 
  private:
   template <typename>
@@ -87,14 +72,15 @@ class FusedNetwork {
     std::ptrdiff_t in_width = 0, out_width = 0;          // padded
     std::ptrdiff_t transposed = 0, plain = 0, bias = 0;  // offsets into weights_
     std::ptrdiff_t parameter = 0;                        // offset of the weight among the flat parameters
-    std::ptrdiff_t tape = 0;  // offset, in units of samples, into the tape (hidden layers)
+    std::ptrdiff_t tape = 0;                             // offset, in units of samples, into the tape
   };
 
+  // Of at most tile_rows samples. The tape, of FusedTile, may be null.
   void forward_tile(std::ptrdiff_t rows, const T* x, const T* direction, T* value, T* derivative, T* scratch,
-                    T* tape, std::ptrdiff_t tape_samples, std::ptrdiff_t first) const;
+                    T* tape) const;
   void backward_tile(std::ptrdiff_t rows, const T* x, const T* direction, const T* tape,
-                     std::ptrdiff_t tape_samples, std::ptrdiff_t first, const T* adjoint_value,
-                     const T* adjoint_derivative, T* gradient, T* adjoint_direction, T* scratch) const;
+                     const T* adjoint_value, const T* adjoint_derivative, T* gradient, T* adjoint_direction,
+                     T* scratch) const;
   void unpack_gradient(const T* packed, T* parameter_gradient) const;
 
   std::vector<LayerShape> layers_;
@@ -102,7 +88,7 @@ class FusedNetwork {
   Buffer<T> weights_;
   std::ptrdiff_t weights_size_ = 0;
   std::ptrdiff_t widest_ = 0;
-  std::ptrdiff_t tape_width_ = 0;  // elements per sample and stored quantity, over all hidden layers
+  std::ptrdiff_t tape_width_ = 0;  // elements per sample and stored quantity, over all layers
   std::ptrdiff_t gradient_size_ = 0;
 };
 

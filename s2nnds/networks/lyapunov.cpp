@@ -19,19 +19,6 @@ torch::Tensor LyapunovImpl::forward(const torch::Tensor& x) {
   return less_origin(network(with_origin(x))).square().sum(1) + quadratic_ * x.square().sum(1);
 }
 
-std::pair<torch::Tensor, torch::Tensor> LyapunovImpl::forward_tangent(const torch::Tensor& x,
-                                                                      const torch::Tensor& direction) {
-  if (!squared_) {
-    const auto [value, derivative] = network->forward_tangent(x, direction);
-    return {value.squeeze(1), derivative.squeeze(1)};
-  }
-  const auto [raw, tangent] = network->forward_tangent(with_origin(x), with_origin(direction));
-  const torch::Tensor difference = less_origin(raw);
-  const torch::Tensor along = tangent.narrow(0, 0, x.size(0));
-  return {difference.square().sum(1) + quadratic_ * x.square().sum(1),
-          2.0 * ((difference * along).sum(1) + quadratic_ * (x * direction).sum(1))};
-}
-
 NetworkWeights LyapunovImpl::snapshot() const {
   return {network->layers(), squared_ ? Head::squared_norm : Head::plain, quadratic_};
 }

@@ -10,9 +10,6 @@ class LyapunovImpl : public torch::nn::Module {
   LyapunovImpl(std::int64_t dimension, const LyapunovOptions& options, RandomStream& random,
                torch::Dtype dtype = torch::kFloat32);
   torch::Tensor forward(const torch::Tensor& x);  // [N, n] -> [N]
-  // V(x) and grad V(x) . direction, both [N].
-  std::pair<torch::Tensor, torch::Tensor> forward_tangent(const torch::Tensor& x,
-                                                          const torch::Tensor& direction);
   NetworkWeights snapshot() const;
   void restore(const NetworkWeights& stack);  // throws Error if the shapes differ
 

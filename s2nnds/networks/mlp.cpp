@@ -1,15 +1,8 @@
 #include "s2nnds/networks/mlp.h"
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/networks/fused_function.h"
 
 namespace s2nnds {
-
-Engine engine_from(std::string_view name) {
-  if (name == "fused") return Engine::fused;
-  if (name == "autograd") return Engine::autograd;
-  fail("engine: found \"{}\", expected fused or autograd", name);
-}
 
 torch::Tensor activate(Activation activation, const torch::Tensor& z) {
   switch (activation) {
@@ -58,34 +51,9 @@ MlpImpl::MlpImpl(std::int64_t inputs, std::int64_t outputs, const MlpOptions& op
     }
   }
   theta = register_parameter("theta", torch::tensor(start, torch::kFloat64).to(dtype));
-  if (dtype == torch::kFloat64) {
-    fused_double_ = std::make_shared<FusedNetwork<double>>(shapes_);
-  } else {
-    fused_float_ = std::make_shared<FusedNetwork<float>>(shapes_);
-  }
 }
 
-torch::Tensor MlpImpl::forward(const torch::Tensor& x) {
-  if (engine == Engine::autograd || x.requires_grad()) return run_plain(x);
-  return fused_double_ ? run_fused<double>(x, {}).first : run_fused<float>(x, {}).first;
-}
-
-std::pair<torch::Tensor, torch::Tensor> MlpImpl::forward_tangent(const torch::Tensor& x,
-                                                                 const torch::Tensor& direction) {
-  return fused_double_ ? run_fused<double>(x, direction) : run_fused<float>(x, direction);
-}
-
-template <typename T>
-std::pair<torch::Tensor, torch::Tensor> MlpImpl::run_fused(const torch::Tensor& x,
-                                                           const torch::Tensor& direction) {
-  if constexpr (std::is_same_v<T, double>) {
-    return fused_apply<double>(fused_double_, x, direction, theta);
-  } else {
-    return fused_apply<float>(fused_float_, x, direction, theta);
-  }
-}
-
-torch::Tensor MlpImpl::run_plain(torch::Tensor x) {
+torch::Tensor MlpImpl::forward(torch::Tensor x) {
   std::int64_t at = 0;
   const auto take = [&](std::int64_t count) {
     at += count;

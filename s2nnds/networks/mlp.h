@@ -2,8 +2,6 @@
 
 #include <torch/torch.h>
 
-#include <memory>
-#include <utility>
 #include <vector>
 
 #include "s2nnds/core/random.h"
@@ -12,13 +10,6 @@
 #include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
-
-// How products and activations are computed. Both give the same numbers up to rounding.
-enum class Engine {
-  fused,     // one custom autograd function a network: fast
-  autograd,  // ATen operations one by one, gradients of gradients by double backward: the reference
-};
-Engine engine_from(std::string_view name);
 
 // A fully connected network as a torch::nn module. All weights live in one flat parameter `theta` (per layer
 // the weight [out, in] row-major, then the bias [out]), so that an optimiser step is a handful of operations.
@@ -29,13 +20,7 @@ class MlpImpl : public torch::nn::Module {
           torch::Dtype dtype = torch::kFloat32);
 
   // x [N, n] -> N(x) [N, m].
-  torch::Tensor forward(const torch::Tensor& x);
-  // N(x) and its derivative along `direction` [N, n], both [N, m]. Differentiable in theta and in the
-  // direction, not in x. Fused engine only.
-  std::pair<torch::Tensor, torch::Tensor> forward_tangent(const torch::Tensor& x,
-                                                          const torch::Tensor& direction);
-
-  Engine engine = Engine::fused;
+  torch::Tensor forward(torch::Tensor x);
   torch::Tensor theta;  // [parameters]
 
   std::int64_t inputs() const { return shapes_.front().inputs; }
@@ -45,13 +30,7 @@ class MlpImpl : public torch::nn::Module {
   void set_layers(const std::vector<Layer>& layers);  // throws Error if the shapes differ
 
  private:
-  template <typename T>
-  std::pair<torch::Tensor, torch::Tensor> run_fused(const torch::Tensor& x, const torch::Tensor& direction);
-  torch::Tensor run_plain(torch::Tensor x);
-
   std::vector<LayerShape> shapes_;
-  std::shared_ptr<FusedNetwork<float>> fused_float_;
-  std::shared_ptr<FusedNetwork<double>> fused_double_;
 };
 TORCH_MODULE(Mlp);
 

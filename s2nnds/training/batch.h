@@ -17,6 +17,10 @@ enum class Samples : std::size_t {
   unsafe_rollouts,
 };
 
+inline constexpr std::array<Samples, 7> all_samples = {
+    Samples::workspace, Samples::demonstrations, Samples::boundary,       Samples::initial,
+    Samples::unsafe,    Samples::safe,           Samples::unsafe_rollouts};
+
 // The points of one training step, normalised coordinates, one T [N, n] a set: Points as drawn, tensors,
 // PointsView. Empty where there is nothing to draw.
 template <typename T>
@@ -25,7 +29,7 @@ struct BatchOf {
 
   // The points of each of Samples, in its order, and what comes with every point, if anything does.
   using Member = T BatchOf::*;
-  static constexpr std::array<std::pair<Member, Member>, 7> sets = {{
+  static constexpr std::array<std::pair<Member, Member>, all_samples.size()> sets = {{
       {&BatchOf::workspace, nullptr},
       {&BatchOf::position, &BatchOf::velocity},
       {&BatchOf::boundary, &BatchOf::normal},
@@ -35,6 +39,10 @@ struct BatchOf {
       {&BatchOf::unsafe_rollouts, nullptr},
   }};
   const T& points(Samples set) const { return this->*sets[static_cast<std::size_t>(set)].first; }
+  T beside(Samples set) const {
+    const Member member = sets[static_cast<std::size_t>(set)].second;
+    return member ? this->*member : T{};
+  }
 };
 
 // The batch with `function` of each of its fields.

@@ -18,13 +18,6 @@ using std::ptrdiff_t;
 constexpr ptrdiff_t kChunks = 4;            // the most threads that can share a step
 constexpr double kLeastParallelWork = 1e6;  // products; less is done before a second thread has woken up
 
-// relu(z) or, with a leak, the paper's leaky ReLU, and its derivative. Comparisons are written so that NaN
-// goes through and ends the training, instead of looking like a condition that is met.
-struct Penalty {
-  double value, slope;
-};
-Penalty rectify(double z, double leak) { return z <= 0.0 ? Penalty{leak * z, leak} : Penalty{z, 1.0}; }
-
 // Numbers below the least normal float count as zero in this thread. Losses without a lower bound drive
 // activations into saturation, whose gradients are such numbers, and the processor takes 100 times as long
 // for them.
@@ -44,18 +37,6 @@ class FlushSubnormals {
 
 }  // namespace
 
-// A tile of samples and what is to be done with it.
-template <typename T>
-struct FusedLoss<T>::Work {
-  enum class Kind { demonstrations, boundary, workspace, region } kind;
-  const T* points;
-  ptrdiff_t first, rows;
-  // Of a region: weight times the mean of the penalty of sign * B + margin, towards which term.
-  double weight = 0.0, sign = 1.0, margin = 0.0;
-  LossTerm term = LossTerm::barrier_sets;
-  double cost = 0.0;
-};
-
 // What one thread at a time works with.
 template <typename T>
 struct FusedLoss<T>::Chunk {
@@ -67,6 +48,7 @@ struct FusedLoss<T>::Chunk {
     for (auto* of_f : {&velocity, &velocity_adjoint, &part}) of_f->resize(rows * n);
     for (auto* of_V : {&features, &tangent, &features_adjoint, &tangent_adjoint}) of_V->resize(rows * m);
     for (auto* of_B : {&barrier, &barrier_dot, &barrier_adjoint, &barrier_dot_adjoint}) of_B->resize(rows);
+    for (auto* scalar : {&values, &adjoints}) scalar->resize(4 * rows);
     f_origin_adjoint.resize(n);
     V_origin_adjoint.resize(m);
   }
@@ -82,11 +64,16 @@ struct FusedLoss<T>::Chunk {
     cost = 0.0;
   }
 
+  // The k-th of V, Vdot, B, Bdot [rows].
+  double* value(ptrdiff_t k) { return values.data() + k * FusedNetwork<T>::tile_rows; }
+  double* adjoint(ptrdiff_t k) { return adjoints.data() + k * FusedNetwork<T>::tile_rows; }
+
   FusedTile<T> f, V, B;
-  std::vector<T> velocity, velocity_adjoint, part;                      // [rows, n]
-  std::vector<T> features, tangent, features_adjoint, tangent_adjoint;  // [rows, features]
-  std::vector<T> barrier, barrier_dot, barrier_adjoint, barrier_dot_adjoint;
-  std::vector<T> f_origin_adjoint, V_origin_adjoint;  // of N(0)
+  std::vector<T> velocity, velocity_adjoint, part;                            // [rows, n]
+  std::vector<T> features, tangent, features_adjoint, tangent_adjoint;        // [rows, features]
+  std::vector<T> barrier, barrier_dot, barrier_adjoint, barrier_dot_adjoint;  // [rows]
+  std::vector<double> values, adjoints;                                       // [4, rows]
+  std::vector<T> f_origin_adjoint, V_origin_adjoint;                          // of N(0)
   PerTerm<double> sums{};
   std::vector<Work> work;
   double cost = 0.0;
@@ -94,7 +81,7 @@ struct FusedLoss<T>::Chunk {
 
 template <typename T>
 FusedLoss<T>::FusedLoss(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B,
-                        const LossOptions& options, Trains trains)
+                        const LossTable& table, const LossOptions& options, Trains trains)
     : shape_f_(f), shape_V_(V), options_(options), trains_(trains), f_(f.layers), V_(V.layers), B_(B.layers) {
   dimension_ = f_.inputs();
   check(f_.outputs() == dimension_ && V_.inputs() == dimension_ && B_.inputs() == dimension_ &&
@@ -106,6 +93,23 @@ FusedLoss<T>::FusedLoss(const NetworkShape& f, const NetworkShape& V, const Netw
             (V.head == Head::squared_norm || V_.outputs() == 1),
         "fused loss: found heads {}, {}, {}, expected zero_at_origin or plain, squared_norm or plain, plain",
         to_string(f.head), to_string(V.head), to_string(B.head));
+  const auto products = [](const FusedNetwork<T>& network) {
+    return static_cast<double>(network.parameters());
+  };
+  for (const Samples set : all_samples) {
+    Pass& pass = passes_[static_cast<std::size_t>(set)];
+    Quantities all;  // tiles are shared out alike, whichever terms weigh nothing in a round
+    for (const LossPart& part : table) {
+      if (part.samples != set) continue;
+      all = all | part.needs;
+      if (!applies(part, options, trains)) continue;
+      pass.parts.push_back(part);
+      pass.needs = pass.needs | part.needs;
+    }
+    if (all.any_f()) pass.cost += 3.0 * products(f_);
+    if (all.any_V()) pass.cost += (all.V_dot ? 6.0 : 3.0) * products(V_);
+    if (all.any_B()) pass.cost += (all.B_dot ? 6.0 : 3.0) * products(B_);
+  }
   origin_.resize(dimension_);
   f_at_origin_.resize(f_.outputs());
   V_at_origin_.resize(V_.outputs());
@@ -119,45 +123,14 @@ FusedLoss<T>::~FusedLoss() = default;
 template <typename T>
 void FusedLoss<T>::share_out(const BatchView<T>& batch) {
   std::vector<Work> all;
-  const auto tiles = [&](const PointsView<T>& points, Work work, double cost) {
-    for (ptrdiff_t first = 0; first < points.count; first += FusedNetwork<T>::tile_rows) {
-      work.points = points.data + first * dimension_;
-      work.first = first;
-      work.rows = std::min(FusedNetwork<T>::tile_rows, points.count - first);
-      work.cost = cost * static_cast<double>(work.rows);
-      all.push_back(work);
+  for (const Samples set : all_samples) {
+    const Pass& pass = passes_[static_cast<std::size_t>(set)];
+    if (pass.parts.empty()) continue;
+    const ptrdiff_t count = batch.points(set).count;
+    for (ptrdiff_t first = 0; first < count; first += FusedNetwork<T>::tile_rows) {
+      const ptrdiff_t rows = std::min(FusedNetwork<T>::tile_rows, count - first);
+      all.push_back({set, first, rows, pass.cost * static_cast<double>(rows)});
     }
-  };
-  const auto products = [](const FusedNetwork<T>& network) {
-    return static_cast<double>(network.parameters());
-  };
-  const auto region = [&](const PointsView<T>& points, double weight, double sign, double margin,
-                          LossTerm term) {
-    Work work{.kind = Work::Kind::region, .points = nullptr, .first = 0, .rows = 0};
-    work.weight = points.count > 0 ? weight / static_cast<double>(points.count) : 0.0;
-    work.sign = sign;
-    work.margin = margin;
-    work.term = term;
-    tiles(points, work, 3.0 * products(B_));
-  };
-  using Kind = typename Work::Kind;
-  tiles(batch.workspace, {.kind = Kind::workspace, .points = nullptr, .first = 0, .rows = 0},
-        3.0 * products(f_) + 6.0 * (products(V_) + products(B_)));
-  if (options_.weight[LossTerm::imitation] > 0.0 && trains_ == Trains::all)
-    tiles(batch.position, {.kind = Kind::demonstrations, .points = nullptr, .first = 0, .rows = 0},
-          3.0 * products(f_));
-  if (options_.weight[LossTerm::obstacle_normal] > 0.0 && options_.kind != "paper" && trains_ == Trains::all)
-    tiles(batch.boundary, {.kind = Kind::boundary, .points = nullptr, .first = 0, .rows = 0},
-          3.0 * products(f_));
-  region(batch.initial, options_.weight[LossTerm::barrier_sets], 1.0, options_.margin_initial,
-         LossTerm::barrier_sets);
-  region(batch.unsafe, options_.weight[LossTerm::barrier_sets], -1.0, options_.margin_unsafe,
-         LossTerm::barrier_sets);
-  if (options_.kind != "paper") {
-    region(batch.safe, options_.weight[LossTerm::rollout_safety], 1.0, options_.margin_rollout_safety,
-           LossTerm::rollout_safety);
-    region(batch.unsafe_rollouts, options_.weight[LossTerm::rollout_safety], -1.0,
-           options_.margin_rollout_safety, LossTerm::rollout_safety);
   }
   std::stable_sort(all.begin(), all.end(), [](const Work& a, const Work& b) { return a.cost > b.cost; });
   for (const Work& work : all) {
@@ -171,171 +144,139 @@ void FusedLoss<T>::share_out(const BatchView<T>& batch) {
 template <typename T>
 void FusedLoss<T>::take_origins() {
   if (shape_f_.head == Head::zero_at_origin)
-    f_.forward(1, origin_.data(), nullptr, f_at_origin_.data(), nullptr, nullptr);
-  if (shape_V_.head != Head::plain)
-    V_.forward(1, origin_.data(), nullptr, V_at_origin_.data(), nullptr, nullptr);
+    f_.forward(1, origin_.data(), nullptr, f_at_origin_.data(), nullptr);
+  if (shape_V_.head != Head::plain) V_.forward(1, origin_.data(), nullptr, V_at_origin_.data(), nullptr);
 }
 
+// V and Vdot from the network's outputs, by V's head.
 template <typename T>
-void FusedLoss<T>::run_demonstrations(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
-  const ptrdiff_t n = dimension_;
-  const T* target = batch.velocity.data + work.first * n;
-  const double share = 1.0 / static_cast<double>(batch.position.count);
-  chunk.f.forward(work.rows, work.points, nullptr, chunk.velocity.data(), nullptr);
-  for (ptrdiff_t i = 0; i < work.rows * n; ++i) {
-    const T error = chunk.velocity[i] - f_at_origin_[i % n] - target[i];
-    chunk.sums[LossTerm::imitation] += options_.weight[LossTerm::imitation] * share *
-                                       static_cast<double>(error) * static_cast<double>(error);
-    const T adjoint = static_cast<T>(2.0 * options_.weight[LossTerm::imitation] * share) * error;
-    chunk.velocity_adjoint[i] = adjoint;
-    chunk.f_origin_adjoint[i % n] -= adjoint;
-  }
-  chunk.f.backward(chunk.velocity_adjoint.data(), nullptr, nullptr);
-}
-
-template <typename T>
-void FusedLoss<T>::run_boundary(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
-  const ptrdiff_t n = dimension_;
-  const double weight =
-      options_.weight[LossTerm::obstacle_normal] / static_cast<double>(batch.boundary.count);
-  chunk.f.forward(work.rows, work.points, nullptr, chunk.velocity.data(), nullptr);
-  for (ptrdiff_t s = 0; s < work.rows; ++s) {
-    const T* normal = batch.normal.data + (work.first + s) * n;
-    double leaving = 0.0;
-    for (ptrdiff_t k = 0; k < n; ++k)
-      leaving +=
-          static_cast<double>(normal[k]) * static_cast<double>(chunk.velocity[s * n + k] - f_at_origin_[k]);
-    const Penalty penalty = rectify(options_.margin_obstacle_normal - leaving, 0.0);
-    chunk.sums[LossTerm::obstacle_normal] += weight * penalty.value;
-    for (ptrdiff_t k = 0; k < n; ++k) {
-      const T adjoint = static_cast<T>(-weight * penalty.slope) * normal[k];
-      chunk.velocity_adjoint[s * n + k] = adjoint;
-      chunk.f_origin_adjoint[k] -= adjoint;
-    }
-  }
-  chunk.f.backward(chunk.velocity_adjoint.data(), nullptr, nullptr);
-}
-
-template <typename T>
-void FusedLoss<T>::run_region(Chunk& chunk, const Work& work) const {
-  chunk.B.forward(work.rows, work.points, nullptr, chunk.barrier.data(), nullptr);
-  const double leak = options_.kind == "paper" ? options_.leak : 0.0;
-  for (ptrdiff_t i = 0; i < work.rows; ++i) {
-    const Penalty penalty = rectify(work.sign * static_cast<double>(chunk.barrier[i]) + work.margin, leak);
-    chunk.sums[work.term] += work.weight * penalty.value;
-    chunk.barrier_adjoint[i] = static_cast<T>(work.weight * work.sign * penalty.slope);
-  }
-  chunk.B.backward(chunk.barrier_adjoint.data(), nullptr, nullptr);
-}
-
-namespace {
-
-// The lyapunov and barrier_decrease terms of one sample, and their derivatives in V, Vdot, B and Bdot.
-struct SampleLoss {
-  double lyapunov = 0.0, barrier_decrease = 0.0;
-  double by_V = 0.0, by_V_dot = 0.0, by_B_dot = 0.0;
-};
-
-SampleLoss robust_loss(const LossOptions& o, double V, double V_dot, double B, double B_dot) {
-  SampleLoss loss;
-  const double scale = V + 1e-6, q = V_dot / scale + o.decay_rate;
-  if (!(q <= 0.0)) {
-    loss.lyapunov = o.weight[LossTerm::lyapunov] * std::log1p(q);
-    loss.by_V_dot = o.weight[LossTerm::lyapunov] / (1.0 + q) / scale;
-    loss.by_V = -loss.by_V_dot * V_dot / scale;
-  }
-  const double z = B_dot + o.margin_barrier_decrease;
-  if (!(z <= 0.0)) {
-    const double weight =
-        o.weight[LossTerm::barrier_decrease] * std::exp(-(B / o.band_width) * (B / o.band_width));
-    loss.barrier_decrease = weight * z;
-    loss.by_B_dot = weight;
-  }
-  return loss;
-}
-
-SampleLoss paper_loss(const LossOptions& o, double V, double V_dot, double B_dot) {
-  const Penalty positive = rectify(o.margin_positive - V, o.leak);
-  const Penalty decrease = rectify(V_dot - o.margin_decrease, o.leak);
-  const Penalty barrier_decrease = rectify(B_dot - o.margin_barrier_decrease, o.leak);
-  return {.lyapunov = o.weight[LossTerm::lyapunov] * (positive.value + decrease.value),
-          .barrier_decrease = o.weight[LossTerm::barrier_decrease] * barrier_decrease.value,
-          .by_V = -o.weight[LossTerm::lyapunov] * positive.slope,
-          .by_V_dot = o.weight[LossTerm::lyapunov] * decrease.slope,
-          .by_B_dot = o.weight[LossTerm::barrier_decrease] * barrier_decrease.slope};
-}
-
-}  // namespace
-
-template <typename T>
-void FusedLoss<T>::run_workspace(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
-  const ptrdiff_t n = dimension_, m = V_.outputs(), rows = work.rows;
-  const bool squared = shape_V_.head == Head::squared_norm, paper = options_.kind == "paper";
-  const double share = 1.0 / static_cast<double>(batch.workspace.count);
-  const T* x = work.points;
-  T* direction = chunk.velocity.data();
-  chunk.f.forward(rows, x, nullptr, direction, nullptr);
-  for (ptrdiff_t i = 0; i < rows * n; ++i) direction[i] -= f_at_origin_[i % n];
-  const bool with_V = options_.weight[LossTerm::lyapunov] > 0.0;
-  if (with_V) chunk.V.forward(rows, x, direction, chunk.features.data(), chunk.tangent.data());
-  chunk.B.forward(rows, x, direction, chunk.barrier.data(), chunk.barrier_dot.data());
-
-  T* direction_adjoint = chunk.velocity_adjoint.data();
+void FusedLoss<T>::finish_V(Chunk& chunk, const Quantities& needs, const T* x, ptrdiff_t rows) const {
+  const ptrdiff_t n = dimension_, m = V_.outputs();
+  const bool squared = shape_V_.head == Head::squared_norm;
   for (ptrdiff_t s = 0; s < rows; ++s) {
     T* feature = chunk.features.data() + s * m;
     const T* tangent = chunk.tangent.data() + s * m;
-    double V = with_V ? feature[0] : 0.0, V_dot = with_V ? tangent[0] : 0.0;
-    if (with_V && squared) {
-      V = V_dot = 0.0;
+    double V = squared ? 0.0 : static_cast<double>(feature[0]), V_dot = 0.0;
+    if (squared) {
       for (ptrdiff_t j = 0; j < m; ++j) {
         feature[j] -= V_at_origin_[j];
         V += static_cast<double>(feature[j]) * static_cast<double>(feature[j]);
-        V_dot += 2.0 * static_cast<double>(feature[j]) * static_cast<double>(tangent[j]);
       }
       for (ptrdiff_t k = 0; k < n; ++k) {
         const double point = x[s * n + k];
         V += shape_V_.quadratic * point * point;
-        V_dot += 2.0 * shape_V_.quadratic * point * static_cast<double>(direction[s * n + k]);
       }
     }
-    const double B = chunk.barrier[s], B_dot = chunk.barrier_dot[s];
-    const SampleLoss loss =
-        paper ? paper_loss(options_, V, V_dot, B_dot) : robust_loss(options_, V, V_dot, B, B_dot);
-    chunk.sums[LossTerm::lyapunov] += share * loss.lyapunov;
-    chunk.sums[LossTerm::barrier_decrease] += share * loss.barrier_decrease;
-    const double by_V = share * loss.by_V, by_V_dot = share * loss.by_V_dot;
+    if (needs.V_dot && squared) {
+      for (ptrdiff_t j = 0; j < m; ++j)
+        V_dot += 2.0 * static_cast<double>(feature[j]) * static_cast<double>(tangent[j]);
+      for (ptrdiff_t k = 0; k < n; ++k) {
+        const double point = x[s * n + k];
+        V_dot += 2.0 * shape_V_.quadratic * point * static_cast<double>(chunk.velocity[s * n + k]);
+      }
+    } else if (needs.V_dot) {
+      V_dot = tangent[0];
+    }
+    chunk.value(0)[s] = V;
+    chunk.value(1)[s] = V_dot;
+  }
+}
+
+// The adjoints of the network's outputs from those of V and Vdot.
+template <typename T>
+void FusedLoss<T>::start_back_V(Chunk& chunk, const Quantities& needs, ptrdiff_t rows) const {
+  const ptrdiff_t m = V_.outputs();
+  for (ptrdiff_t s = 0; s < rows; ++s) {
+    const double by_V = chunk.adjoint(0)[s], by_V_dot = chunk.adjoint(1)[s];
+    const T* feature = chunk.features.data() + s * m;
+    const T* tangent = chunk.tangent.data() + s * m;
     T* feature_adjoint = chunk.features_adjoint.data() + s * m;
     T* tangent_adjoint = chunk.tangent_adjoint.data() + s * m;
-    if (with_V && squared) {
-      for (ptrdiff_t j = 0; j < m; ++j) {
-        feature_adjoint[j] =
-            static_cast<T>(2.0 * by_V) * feature[j] + static_cast<T>(2.0 * by_V_dot) * tangent[j];
-        tangent_adjoint[j] = static_cast<T>(2.0 * by_V_dot) * feature[j];
-        chunk.V_origin_adjoint[j] -= feature_adjoint[j];
-      }
-    } else {
+    if (shape_V_.head != Head::squared_norm) {
       feature_adjoint[0] = static_cast<T>(by_V);
       tangent_adjoint[0] = static_cast<T>(by_V_dot);
+      continue;
     }
-    chunk.barrier_adjoint[s] = T(0);  // the band's weight is held constant
-    chunk.barrier_dot_adjoint[s] = static_cast<T>(share * loss.by_B_dot);
-    for (ptrdiff_t k = 0; k < n; ++k)
-      direction_adjoint[s * n + k] = static_cast<T>(2.0 * shape_V_.quadratic * by_V_dot) * x[s * n + k];
+    for (ptrdiff_t j = 0; j < m; ++j) {
+      feature_adjoint[j] = static_cast<T>(2.0 * by_V) * feature[j];
+      if (needs.V_dot) feature_adjoint[j] += static_cast<T>(2.0 * by_V_dot) * tangent[j];
+      tangent_adjoint[j] = static_cast<T>(2.0 * by_V_dot) * feature[j];
+      chunk.V_origin_adjoint[j] -= feature_adjoint[j];
+    }
+  }
+}
+
+template <typename T>
+void FusedLoss<T>::run_tile(Chunk& chunk, const Work& work, const BatchView<T>& batch) const {
+  const Pass& pass = passes_[static_cast<std::size_t>(work.set)];
+  const Quantities& needs = pass.needs;
+  const ptrdiff_t n = dimension_, rows = work.rows;
+  const T* x = batch.points(work.set).data + work.first * n;
+  const T* beside = batch.beside(work.set).data;
+  T* direction = chunk.velocity.data();
+  if (needs.any_f()) {
+    chunk.f.forward(rows, x, nullptr, direction, nullptr);
+    for (ptrdiff_t i = 0; i < rows * n; ++i) direction[i] -= f_at_origin_[i % n];
+  }
+  if (needs.any_V()) {
+    chunk.V.forward(rows, x, needs.V_dot ? direction : nullptr, chunk.features.data(), chunk.tangent.data());
+    finish_V(chunk, needs, x, rows);
+  }
+  if (needs.any_B()) {
+    chunk.B.forward(rows, x, needs.B_dot ? direction : nullptr, chunk.barrier.data(),
+                    chunk.barrier_dot.data());
+    std::copy_n(chunk.barrier.begin(), rows, chunk.value(2));
+    if (needs.B_dot) std::copy_n(chunk.barrier_dot.begin(), rows, chunk.value(3));
   }
 
-  if (trains_ == Trains::barrier) {
-    chunk.B.backward(chunk.barrier_adjoint.data(), chunk.barrier_dot_adjoint.data(), nullptr);
-    return;
+  T* direction_adjoint = chunk.velocity_adjoint.data();
+  std::fill_n(direction_adjoint, rows * n, T(0));
+  std::fill(chunk.adjoints.begin(), chunk.adjoints.end(), 0.0);
+  const Tile<T> tile{rows,
+                     n,
+                     direction,
+                     beside ? beside + work.first * n : nullptr,
+                     direction_adjoint,
+                     chunk.value(0),
+                     chunk.value(1),
+                     chunk.value(2),
+                     chunk.value(3),
+                     chunk.adjoint(0),
+                     chunk.adjoint(1),
+                     chunk.adjoint(2),
+                     chunk.adjoint(3)};
+  for (const LossPart& part : pass.parts) {
+    const double weight =
+        options_.weight[part.term] * (1.0 / static_cast<double>(batch.points(work.set).count));
+    if constexpr (std::is_same_v<T, float>) {
+      chunk.sums[part.term] += weight * part.sum_float(options_, weight, tile);
+    } else {
+      chunk.sums[part.term] += weight * part.sum_double(options_, weight, tile);
+    }
   }
+
+  T* along = trains_ == Trains::all ? chunk.part.data() : nullptr;
   const auto add_part = [&] {
-    for (ptrdiff_t i = 0; i < rows * n; ++i) direction_adjoint[i] += chunk.part[i];
+    for (ptrdiff_t i = 0; i < rows * n; ++i) direction_adjoint[i] += along[i];
   };
-  if (with_V) {
-    chunk.V.backward(chunk.features_adjoint.data(), chunk.tangent_adjoint.data(), chunk.part.data());
-    add_part();
+  if (needs.any_V() && trains_ == Trains::all) {
+    start_back_V(chunk, needs, rows);
+    chunk.V.backward(chunk.features_adjoint.data(), chunk.tangent_adjoint.data(), along);
+    if (needs.V_dot) {
+      for (ptrdiff_t i = 0; i < rows * n; ++i)
+        direction_adjoint[i] += static_cast<T>(2.0 * shape_V_.quadratic * chunk.adjoint(1)[i / n]) * x[i];
+      add_part();
+    }
   }
-  chunk.B.backward(chunk.barrier_adjoint.data(), chunk.barrier_dot_adjoint.data(), chunk.part.data());
-  add_part();
+  if (needs.any_B()) {
+    std::transform(chunk.adjoint(2), chunk.adjoint(2) + rows, chunk.barrier_adjoint.begin(),
+                   [](double by) { return static_cast<T>(by); });
+    std::transform(chunk.adjoint(3), chunk.adjoint(3) + rows, chunk.barrier_dot_adjoint.begin(),
+                   [](double by) { return static_cast<T>(by); });
+    chunk.B.backward(chunk.barrier_adjoint.data(), chunk.barrier_dot_adjoint.data(), along);
+    if (needs.B_dot && along) add_part();
+  }
+  if (!needs.any_f() || trains_ == Trains::barrier) return;
   for (ptrdiff_t i = 0; i < rows * n; ++i) chunk.f_origin_adjoint[i % n] -= direction_adjoint[i];
   chunk.f.backward(direction_adjoint, nullptr, nullptr);
 }
@@ -370,12 +311,7 @@ PerTerm<double> FusedLoss<T>::run(const T* theta_f, const T* theta_V, const T* t
   const auto run_chunk = [&](ptrdiff_t c, int) {
     [[maybe_unused]] const FlushSubnormals flush;
     Chunk& chunk = *chunks_[c];
-    for (const Work& work : chunk.work) {
-      if (work.kind == Work::Kind::demonstrations) run_demonstrations(chunk, work, batch);
-      if (work.kind == Work::Kind::boundary) run_boundary(chunk, work, batch);
-      if (work.kind == Work::Kind::workspace) run_workspace(chunk, work, batch);
-      if (work.kind == Work::Kind::region) run_region(chunk, work);
-    }
+    for (const Work& work : chunk.work) run_tile(chunk, work, batch);
   };
   if (cost < kLeastParallelWork) {
     for (ptrdiff_t c = 0; c < kChunks; ++c) run_chunk(c, 0);

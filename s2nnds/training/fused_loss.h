@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "s2nnds/networks/fused_network.h"
-#include "s2nnds/training/batch.h"
-#include "s2nnds/training/trainer_options.h"
+#include "s2nnds/training/loss_part.h"
 
 namespace s2nnds {
 
@@ -26,17 +25,15 @@ struct NetworkShape {
   double quadratic = 0.0;
 };
 
-enum class Trains { all, barrier };  // whose gradients are wanted
-
-// The loss of LossOptions and its gradients in closed form, in one pass over the batch: every tile of samples
-// goes forward through the networks it concerns, its loss is differentiated, and it goes back, all in cache.
-// Tiles are shared out over a fixed number of chunks, whose gradients are summed in order, so that the result
-// does not depend on the number of threads. f may be zero_at_origin or plain, V squared_norm or plain, B plain.
+// A table's loss and its gradients in closed form, in one pass over the batch: every tile of samples goes
+// forward through the networks it concerns, its loss is differentiated, and it goes back, all in cache. Tiles
+// are shared out over a fixed number of chunks, whose gradients are summed in order, so that the result does
+// not depend on the number of threads. f may be zero_at_origin or plain, V squared_norm or plain, B plain.
 template <typename T>
 class FusedLoss {
  public:
-  FusedLoss(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B, const LossOptions& options,
-            Trains trains = Trains::all);
+  FusedLoss(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B, const LossTable& table,
+            const LossOptions& options, Trains trains = Trains::all);
   ~FusedLoss();
   FusedLoss(const FusedLoss&) = delete;
   FusedLoss& operator=(const FusedLoss&) = delete;
@@ -49,14 +46,24 @@ class FusedLoss {
 
  private:
   struct Chunk;
-  struct Work;
+  // What is to be done with the samples of one set.
+  struct Pass {
+    std::vector<LossPart> parts;
+    Quantities needs;
+    double cost = 0.0;  // products a sample
+  };
+  // A tile of samples.
+  struct Work {
+    Samples set;
+    std::ptrdiff_t first, rows;
+    double cost;
+  };
 
   void share_out(const BatchView<T>& batch);
   void take_origins();
-  void run_demonstrations(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
-  void run_boundary(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
-  void run_workspace(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
-  void run_region(Chunk& chunk, const Work& work) const;
+  void run_tile(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
+  void finish_V(Chunk& chunk, const Quantities& needs, const T* x, std::ptrdiff_t rows) const;
+  void start_back_V(Chunk& chunk, const Quantities& needs, std::ptrdiff_t rows) const;
   void run_origins();
 
   NetworkShape shape_f_, shape_V_;
@@ -64,6 +71,7 @@ class FusedLoss {
   Trains trains_;
   std::ptrdiff_t dimension_;
   FusedNetwork<T> f_, V_, B_;
+  std::array<Pass, all_samples.size()> passes_;
   std::vector<T> origin_, f_at_origin_, V_at_origin_;
   std::vector<std::unique_ptr<Chunk>> chunks_;
 };

@@ -26,39 +26,45 @@ class Differentiated : public torch::autograd::Function<Differentiated> {
   }
 };
 
-NetworkShape shape_of(const Mlp& network, const NetworkWeights& snapshot) {
-  return {network->shapes(), snapshot.head, snapshot.quadratic};
+template <typename Network>
+NetworkShape shape_of(const Network& module) {
+  const NetworkWeights weights = module->snapshot();
+  return {module->network->shapes(), weights.head, weights.quadratic};
 }
 
 template <typename T>
-std::unique_ptr<FusedLoss<T>> sweep_of(const Modules& m, const LossOptions& options, Trains trains) {
-  return std::make_unique<FusedLoss<T>>(shape_of(m.f->network, m.f->snapshot()),
-                                        shape_of(m.V->network, m.V->snapshot()),
-                                        shape_of(m.B->network, m.B->snapshot()), options, trains);
+std::unique_ptr<FusedLoss<T>> fused_loss(const Modules& m, const LossTable& table, const LossOptions& options,
+                                         Trains trains) {
+  return std::make_unique<FusedLoss<T>>(shape_of(m.f), shape_of(m.V), shape_of(m.B), table, options, trains);
 }
 
 }  // namespace
 
-JointLoss::JointLoss(const Modules& networks, const LossOptions& options, Trains trains)
-    : networks_(networks), options_(options) {
-  for (const Mlp& network : {networks.f->network, networks.V->network, networks.B->network}) {
-    if (network->engine != Engine::fused) return;
-  }
+Engine engine_from(std::string_view name) {
+  if (name == "fused") return Engine::fused;
+  if (name == "autograd") return Engine::autograd;
+  fail("engine: found \"{}\", expected fused or autograd", name);
+}
+
+JointLoss::JointLoss(const Modules& networks, const LossTable& table, const LossOptions& options,
+                     Engine engine, Trains trains)
+    : networks_(networks), table_(table), options_(options), trains_(trains) {
+  if (engine == Engine::autograd) return;
   if (networks.f->network->theta.dtype() == torch::kFloat64) {
-    double_sweep_ = sweep_of<double>(networks, options, trains);
+    double_loss_ = fused_loss<double>(networks, table, options, trains);
   } else {
-    float_sweep_ = sweep_of<float>(networks, options, trains);
+    float_loss_ = fused_loss<float>(networks, table, options, trains);
   }
 }
 
 LossValue JointLoss::operator()(const BatchTensors& batch) {
-  if (float_sweep_) return run(*float_sweep_, batch);
-  if (double_sweep_) return run(*double_sweep_, batch);
-  return joint_loss(networks_, batch, options_);
+  if (float_loss_) return run(*float_loss_, batch);
+  if (double_loss_) return run(*double_loss_, batch);
+  return autograd_loss(networks_, table_, options_, batch, trains_);
 }
 
 template <typename T>
-LossValue JointLoss::run(FusedLoss<T>& sweep, const BatchTensors& batch) {
+LossValue JointLoss::run(FusedLoss<T>& loss, const BatchTensors& batch) {
   const torch::Tensor f = networks_.f->network->theta, V = networks_.V->network->theta,
                       B = networks_.B->network->theta;
   std::vector<torch::Tensor> kept;  // contiguous copies, where there had to be any
@@ -76,8 +82,8 @@ LossValue JointLoss::run(FusedLoss<T>& sweep, const BatchTensors& batch) {
         views.boundary.count, views.normal.count);
   const tensor_list gradients = {torch::empty_like(f), torch::empty_like(V), torch::empty_like(B)};
   const PerTerm<double> terms =
-      sweep.run(f.data_ptr<T>(), V.data_ptr<T>(), B.data_ptr<T>(), views, gradients[0].data_ptr<T>(),
-                gradients[1].data_ptr<T>(), gradients[2].data_ptr<T>());
+      loss.run(f.data_ptr<T>(), V.data_ptr<T>(), B.data_ptr<T>(), views, gradients[0].data_ptr<T>(),
+               gradients[1].data_ptr<T>(), gradients[2].data_ptr<T>());
   const double total = std::accumulate(terms.begin(), terms.end(), 0.0);
   return {terms, Differentiated::apply(f, V, B, total, gradients)};
 }

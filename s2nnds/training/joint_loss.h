@@ -3,31 +3,40 @@
 #include <torch/torch.h>
 
 #include <memory>
+#include <string_view>
 
+#include "s2nnds/training/autograd_loss.h"
 #include "s2nnds/training/fused_loss.h"
-#include "s2nnds/training/losses.h"
 
 namespace s2nnds {
 
-// The loss of LossOptions of three networks, again and again: joint_loss of losses.h where the networks'
-// engine is autograd, one FusedLoss where it is fused. The networks keep their identity: their weights may
-// change between calls, the modules may not.
+// How a loss and its gradients are computed. Both give the same numbers up to rounding.
+enum class Engine {
+  fused,     // FusedLoss: fast
+  autograd,  // torch operations and double backward: the reference
+};
+Engine engine_from(std::string_view name);  // throws Error
+
+// The loss of three networks, again and again. The networks keep their identity: their weights may change
+// between calls, the modules may not.
 class JointLoss {
  public:
-  // With Trains::barrier, the gradients of f and V are left out where that saves time.
-  JointLoss(const Modules& networks, const LossOptions& options, Trains trains = Trains::all);
+  JointLoss(const Modules& networks, const LossTable& table, const LossOptions& options, Engine engine,
+            Trains trains = Trains::all);
 
-  // total is differentiable in the networks' parameters. Throws Error if tensors do not fit.
+  // Throws Error if tensors do not fit.
   LossValue operator()(const BatchTensors& batch);
 
  private:
   template <typename T>
-  LossValue run(FusedLoss<T>& sweep, const BatchTensors& batch);
+  LossValue run(FusedLoss<T>& loss, const BatchTensors& batch);
 
   Modules networks_;
+  LossTable table_;
   LossOptions options_;
-  std::unique_ptr<FusedLoss<float>> float_sweep_;
-  std::unique_ptr<FusedLoss<double>> double_sweep_;
+  Trains trains_;
+  std::unique_ptr<FusedLoss<float>> float_loss_;
+  std::unique_ptr<FusedLoss<double>> double_loss_;
 };
 
 }  // namespace s2nnds

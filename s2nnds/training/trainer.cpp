@@ -11,9 +11,11 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
+#include "s2nnds/networks/evaluator.h"
 #include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/level.h"
+#include "s2nnds/training/loss_table.h"
 #include "s2nnds/training/smoothed_velocity.h"
 #include "s2nnds/training/warm_start.h"
 
@@ -77,7 +79,6 @@ class Trainer::Impl {
     modules_.f = make_field(1);
     modules_.V = Lyapunov(problem.dimension(), networks.V, start_v);
     modules_.B = Barrier(problem.dimension(), networks.B, start_b);
-    set_engine();
     preparation_ = seconds_since(begin_);
   }
 
@@ -166,13 +167,7 @@ class Trainer::Impl {
   VectorField make_field(std::int64_t attempt) const {
     RandomStream start(seed_, "start/f", attempt);
     VectorField f(problem_.dimension(), network_options_.f, start);
-    f->network->engine = engine_from(options_.engine);
     return f;
-  }
-
-  void set_engine() {
-    const Engine engine = engine_from(options_.engine);
-    modules_.f->network->engine = modules_.V->network->engine = modules_.B->network->engine = engine;
   }
 
   bool report(const RoundSummary& row, const Trainer& owner) {
@@ -182,7 +177,8 @@ class Trainer::Impl {
 
   WarmStartSummary warm_up() {
     const torch::Tensor position = tensor(sampler_.position()), velocity = tensor(sampler_.velocity());
-    return warm_start(modules_.f, position, velocity, sampler_.jitter(), options_.warm_start, seed_,
+    return warm_start(modules_.f, position, velocity, sampler_.jitter(), options_.warm_start,
+                      engine_from(options_.engine), seed_,
                       [&](std::int64_t attempt) { return make_field(attempt); });
   }
 
@@ -200,7 +196,8 @@ class Trainer::Impl {
     torch::Tensor parameters[] = {modules_.f->network->theta, modules_.V->network->theta,
                                   modules_.B->network->theta};
     const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
-    JointLoss loss(modules_, plan.loss, plan.only_barrier ? Trains::barrier : Trains::all);
+    JointLoss loss(modules_, loss_table(plan.loss), plan.loss, engine_from(options_.engine),
+                   plan.only_barrier ? Trains::barrier : Trains::all);
     const std::size_t first_trained = plan.only_barrier ? 2 : 0;
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     const auto seeks_band = [&](std::int64_t step) { return step % options_.batch.band_refresh == 0; };
@@ -239,7 +236,6 @@ class Trainer::Impl {
   void redraw_barrier(std::int64_t round) {
     RandomStream start(seed_, "start/B", round);
     modules_.B = Barrier(problem_.dimension(), network_options_.B, start);
-    set_engine();
   }
 
   RoundPlan plan_of(std::int64_t round, Stage stage) const {
@@ -347,12 +343,10 @@ class Trainer::Impl {
   void seek_band(RandomStream& random) {
     if (options_.batch.share_band == 0.0) return;
     const Points candidates = sampler_.uniform(kBandCandidates, random);
-    torch::NoGradGuard no_grad;
-    const torch::Tensor value = modules_.B(tensor(candidates));
-    const float* b = value.data_ptr<float>();
+    const Points value = BasicEvaluator<float>(modules_.B->snapshot()).value(candidates);
     std::vector<Eigen::Index> near;
     for (Eigen::Index i = 0; i < candidates.rows(); ++i) {
-      if (std::abs(b[i]) < options_.batch.band_near) near.push_back(i);
+      if (std::abs(value(i, 0)) < options_.batch.band_near) near.push_back(i);
     }
     sampler_.set_near_band(candidates(near, Eigen::all));
   }

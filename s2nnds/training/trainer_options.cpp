@@ -14,10 +14,8 @@ void WarmStartOptions::visit(FieldVisitor& v) {
 
 void LossOptions::visit(FieldVisitor& v) {
   v.field("kind", kind, {"robust", "paper"});
-  for (const LossTerm term : all_loss_terms) {
-    const bool in_paper = term != LossTerm::rollout_safety && term != LossTerm::obstacle_normal;
-    if (kind != "paper" || in_paper) v.field(std::string(to_string(term)), weight[term], at_least(0.0));
-  }
+  for (const LossTerm term : all_loss_terms)
+    v.field(std::string(to_string(term)), weight[term], at_least(0.0));
   v.field("margin_initial", margin_initial, at_least(0.0));
   v.field("margin_unsafe", margin_unsafe, at_least(0.0));
   v.field("margin_barrier_decrease", margin_barrier_decrease, at_least(0.0));
@@ -29,8 +27,6 @@ void LossOptions::visit(FieldVisitor& v) {
   }
   v.field("decay_rate", decay_rate, at_least(0.0));
   v.field("band_width", band_width, above(0.0));
-  v.field("margin_rollout_safety", margin_rollout_safety, at_least(0.0));
-  v.field("margin_obstacle_normal", margin_obstacle_normal, at_least(0.0));
 }
 
 void BatchOptions::visit(FieldVisitor& v) {
@@ -109,10 +105,11 @@ TrainerOptions paper_training() {
   options.smoothing = options.obstacle_margin = options.batch.start_jitter = 0.0;
   options.weight_decay = options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
-                  .weight = {{10.0, 1.0, 1.0, 1.0, 1.0, 0.0}},
+                  .weight = {{10.0, 1.0, 1.0, 1.0, 0.0, 0.0}},
                   .margin_initial = 0.01,
                   .margin_unsafe = 0.01,
-                  .margin_barrier_decrease = 0.0};
+                  .margin_barrier_decrease = 0.0,
+                  .leak = 0.01};
   options.batch.initial = options.batch.unsafe = options.batch.workspace_margin = 64;
   options.batch.share_band = options.batch.share_goal = 0.0;
   return options;

@@ -21,19 +21,8 @@ struct WarmStartOptions {
   void visit(FieldVisitor& v);
 };
 
-// The losses of the joint training. `robust`:
-//   imitation MSE
-//   + lyapunov mean log(1 + relu(q)),  q = Vdot / (V + 1e-6) + decay_rate        (decay rate, free of V's scale)
-//   + barrier_sets (mean relu(B + margin_initial) on X0 + mean relu(margin_unsafe - B) on Xu and the workspace margin)
-//   + barrier_decrease mean w relu(Bdot + margin_barrier_decrease),  w = exp(-(B / band_width)^2) held constant   (around {B = 0})
-//   + rollout_safety (mean relu(B + margin_rollout_safety) where rollouts are safe + mean relu(margin_rollout_safety - B) where they
-//   are not)
-//   + obstacle_normal mean relu(margin_obstacle_normal - n.f(x)) on the obstacle's boundary, n its unit normal
-//   outwards.
-// `paper`: equations (6) to (8) as printed, LR_a the leaky ReLU:
-//   imitation MSE + lyapunov mean (LR_a(margin_positive - V) + LR_a(Vdot - margin_decrease))
-//   + barrier_sets (mean LR_a(B + margin_initial) on X0 + mean LR_a(margin_unsafe - B) on Xu) + barrier_decrease mean
-//   LR_a(Bdot - margin_barrier_decrease) on X.
+// The losses of the joint training: the weighted sum of the terms of loss_term.h, whose formulas are in a file
+// each, loss_<term>.h. `paper` takes those of the paper's (7) and (8) as printed where they differ.
 struct LossOptions {
   std::string kind = "robust";
   PerTerm<double> weight = {{
@@ -53,11 +42,9 @@ struct LossOptions {
   double margin_unsafe = 0.05;
   double margin_barrier_decrease = 0.05;
   double band_width = 0.15;
-  double margin_rollout_safety = 0.02;
-  double margin_obstacle_normal = 0.02;
   double margin_positive = 0.01;  // paper: delta_l1
   double margin_decrease = 0.0;   // paper: delta_l2, as printed: its sign favours Vdot < delta_l2
-  double leak = 0.01;             // paper: alpha of the leaky ReLU
+  double leak = 0.0;              // of the leaky ReLU; 0: relu. The paper's alpha
 
   void visit(FieldVisitor& v);
 };

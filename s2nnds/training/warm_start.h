@@ -4,7 +4,7 @@
 
 #include "s2nnds/core/points.h"
 #include "s2nnds/networks/vector_field.h"
-#include "s2nnds/training/trainer_options.h"
+#include "s2nnds/training/joint_loss.h"
 
 namespace s2nnds {
 
@@ -18,7 +18,7 @@ struct WarmStartSummary {
 // [N] whenever it is drawn: AdamW on the MSE with cosine decay. A start that stalls (see WarmStartOptions) is
 // drawn anew with `make`(attempt); the best one is returned in `f`.
 WarmStartSummary warm_start(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
-                            const Vector& jitter, const WarmStartOptions& options, std::uint64_t seed,
-                            const std::function<VectorField(std::int64_t attempt)>& make);
+                            const Vector& jitter, const WarmStartOptions& options, Engine engine,
+                            std::uint64_t seed, const std::function<VectorField(std::int64_t attempt)>& make);
 
 }  // namespace s2nnds

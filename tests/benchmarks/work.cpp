@@ -69,7 +69,8 @@ class TrainingStep::Impl {
   WorkSize size_;
   Modules modules_;
   BatchTensors batch_;
-  JointLoss loss_{modules_, {.kind = "paper"}};
+  LossOptions options_{.kind = "paper", .leak = 0.01};
+  JointLoss loss_{modules_, loss_table(options_), options_, Engine::fused};
   torch::Tensor parameters_[3] = {modules_.f->network->theta, modules_.V->network->theta,
                                   modules_.B->network->theta};
   FlatAdam optimizers_[3] = {{0.0, 1.0}, {0.0, 1.0}, {0.0, 1.0}};  // as in s2nnds/training/trainer.cpp

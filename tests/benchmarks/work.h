@@ -7,6 +7,7 @@
 #include "s2nnds/conditions/condition.h"
 #include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/joint_loss.h"
+#include "s2nnds/training/loss_table.h"
 
 // The work that all benchmarks share: the paper's networks and batches, as the peer's script has them, scaled
 // in width and dimension.

@@ -109,7 +109,7 @@ TEST_P(EveryActivation, EvaluatorMatchesPlainLoopsOverShapesAndHeads) {
   }
 }
 
-// The reverse sweep against central differences of <adjoint, value> + <adjoint', derivative>.
+// The reverse sweep over two tiles against central differences of <adjoint, value> + <adjoint', derivative>.
 TEST_P(EveryActivation, ReverseSweepMatchesDifferences) {
   for (bool bias : {true, false}) {
     FusedNetwork<double> network(
@@ -120,41 +120,47 @@ TEST_P(EveryActivation, ReverseSweepMatchesDifferences) {
       for (double& e : v) e = random.normal();
       return v;
     };
-    const std::ptrdiff_t samples = 150;
+    constexpr std::ptrdiff_t tile = FusedNetwork<double>::tile_rows, samples = tile + 31;
     std::vector<double> theta = draw(network.parameters()), x = draw(samples * 3), d = draw(samples * 3);
     for (double& t : theta) t *= 0.3;
     const std::vector<double> a = draw(samples * 2), t = draw(samples * 2);
     std::vector<double> value(samples * 2), derivative(samples * 2);
     const auto objective = [&] {
       network.load(theta.data());
-      network.forward(samples, x.data(), d.data(), value.data(), derivative.data(), nullptr);
+      network.forward(samples, x.data(), d.data(), value.data(), derivative.data());
       double sum = 0;
       for (std::size_t i = 0; i < value.size(); ++i) sum += a[i] * value[i] + t[i] * derivative[i];
       return sum;
     };
     objective();
-    FusedNetwork<double>::Tape tape;
-    network.forward(samples, x.data(), d.data(), value.data(), derivative.data(), &tape);
+    const std::vector<double> whole = value;
+    FusedTile<double> sweep(network);
     std::vector<double> gradient(theta.size()), adjoint_direction(samples * 3);
-    network.backward(x.data(), d.data(), tape, a.data(), t.data(), gradient.data(), adjoint_direction.data());
+    for (std::ptrdiff_t first = 0; first < samples; first += tile) {
+      const std::ptrdiff_t rows = std::min(tile, samples - first);
+      sweep.forward(rows, x.data() + 3 * first, d.data() + 3 * first, value.data() + 2 * first,
+                    derivative.data() + 2 * first);
+      sweep.backward(a.data() + 2 * first, t.data() + 2 * first, adjoint_direction.data() + 3 * first);
+    }
+    sweep.unpack_gradient(gradient.data());
+    EXPECT_EQ(value, whole);
     const double h = 1e-6;
-    for (std::size_t i = 0; i < theta.size(); i += 7) {
-      const double kept = theta[i];
-      theta[i] = kept + h;
+    const auto slope = [&](double& of) {
+      const double kept = of;
+      of = kept + h;
       const double up = objective();
-      theta[i] = kept - h;
-      const double slope = (up - objective()) / (2 * h);
-      theta[i] = kept;
-      ASSERT_NEAR(gradient[i], slope, 2e-5 * (1 + std::abs(slope)));
+      of = kept - h;
+      const double down = objective();
+      of = kept;
+      return (up - down) / (2 * h);
+    };
+    for (std::size_t i = 0; i < theta.size(); i += 7) {
+      const double expected = slope(theta[i]);
+      ASSERT_NEAR(gradient[i], expected, 2e-5 * (1 + std::abs(expected)));
     }
     for (std::size_t i = 0; i < d.size(); i += 13) {
-      const double kept = d[i];
-      d[i] = kept + h;
-      const double up = objective();
-      d[i] = kept - h;
-      const double slope = (up - objective()) / (2 * h);
-      d[i] = kept;
-      ASSERT_NEAR(adjoint_direction[i], slope, 2e-5 * (1 + std::abs(slope)));
+      const double expected = slope(d[i]);
+      ASSERT_NEAR(adjoint_direction[i], expected, 2e-5 * (1 + std::abs(expected)));
     }
   }
 }

@@ -190,7 +190,6 @@ TEST(Trainer, DemonstrationsAndLabelsWeighLessWithEveryRestart) {
   options.restart_mse = 0.25;
   options.restart_rollout_safety = 0.0;
   options.loss.weight[LossTerm::obstacle_normal] = 1.0;
-  options.loss.margin_obstacle_normal = 2.0;
   Trainer trainer = fixture.trainer(5);
   trainer.run();
   const std::vector<RoundSummary> history = trainer.state().history;

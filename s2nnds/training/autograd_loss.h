@@ -1,12 +1,9 @@
 #pragma once
 
-#include <torch/torch.h>
-
 #include "s2nnds/networks/barrier.h"
 #include "s2nnds/networks/lyapunov.h"
 #include "s2nnds/networks/vector_field.h"
-#include "s2nnds/training/batch.h"
-#include "s2nnds/training/trainer_options.h"
+#include "s2nnds/training/loss_tensors.h"
 
 namespace s2nnds {
 
@@ -27,10 +24,13 @@ struct LossValue {
   torch::Tensor total;
 };
 
-// mean over samples of |f(x) - xdot|^2, the paper's (6).
-torch::Tensor imitation_loss(const torch::Tensor& predicted, const torch::Tensor& velocity);
+// The quantities at a set's samples, of which there must be some. Differentiable in the parameters: the dots by
+// torch::autograd::grad with create_graph, so that a loss on them needs a double backward.
+SampleTensors quantities_at(Modules& networks, const BatchTensors& batch, Samples set,
+                            const Quantities& needs);
 
-// The loss of LossOptions on one batch.
-LossValue joint_loss(Modules& networks, const BatchTensors& batch, const LossOptions& options);
+// The loss by torch operations and autograd: the reference.
+LossValue autograd_loss(Modules& networks, const LossTable& table, const LossOptions& options,
+                        const BatchTensors& batch, Trains trains = Trains::all);
 
 }  // namespace s2nnds
