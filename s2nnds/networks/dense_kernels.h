@@ -6,10 +6,9 @@
 
 namespace s2nnds {
 
-// The inner loops of all networks, compiled once per instruction set (AVX-512, AVX2 + FMA, plain) and chosen
-// at run time. Rows are samples, columns are neurons padded to a multiple of `kLanePadding`, so that every
-// product of the forward and the reverse sweep has contiguous columns and needs no transposition of
-// activations.
+// The inner loops of all networks, compiled once per InstructionSet and chosen at run time. Rows are samples,
+// columns are neurons padded to a multiple of `kLanePadding`, so that every product of the forward and the
+// reverse sweep has contiguous columns and needs no transposition of activations.
 inline constexpr std::ptrdiff_t kLanePadding = 16;
 inline std::ptrdiff_t padded(std::ptrdiff_t width) {
   return (width + kLanePadding - 1) / kLanePadding * kLanePadding;
@@ -17,7 +16,6 @@ inline std::ptrdiff_t padded(std::ptrdiff_t width) {
 
 template <typename T>
 struct DenseKernels {
-  const char* instruction_set;
   // C[m, n] = (accumulate ? C : 0) + sum_k A(m, k) B[k, n] for m < rows, n < columns (a multiple of
   // kLanePadding), A(m, k) = a[m * a_row + k * a_column]. The sum runs over k in order, whatever the
   // blocking: a row's result does not depend on the rows beside it.
@@ -34,8 +32,7 @@ struct DenseKernels {
   void (*pull_adjoint)(std::ptrdiff_t count, const T* slope, const T* curve, T* adjoint, T* adjoint_tangent);
 };
 
-// The best kernels that this processor runs; the environment's S2NNDS_ISA (avx512, avx2, plain) picks a
-// lesser one.
+// The kernels for instruction_set().
 template <typename T>
 const DenseKernels<T>& dense_kernels();
 

@@ -1,5 +1,4 @@
 #define S2NNDS_KERNEL_SPACE plain
-#define S2NNDS_KERNEL_NAME "plain"
-#define S2NNDS_VECTOR_BYTES 16
+#define SIMD_REGISTER_BYTES 16
 #define S2NNDS_WIDE_ROWS 2
 #include "s2nnds/networks/dense_kernels.inl"

@@ -5,11 +5,10 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/networks/dense_kernels.h"
+#include "s2nnds/verification/rounding.h"
 
 namespace s2nnds {
 namespace {
-
-constexpr double slack = 1.0 + 1e-13;
 
 // Relative rounding error of a sum of `terms` products, rounded up.
 double sum_rounding(Eigen::Index terms) { return 2.0 * (static_cast<double>(terms) + 4.0) * unit_roundoff; }

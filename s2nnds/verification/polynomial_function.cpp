@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/verification/rounding.h"
 
 namespace s2nnds {
 namespace {
 
 constexpr int expansion_orders = 5;  // 0, ..., 4
-constexpr double slack = 1.0 + 1e-12;
 
 // How often the monomial dx_a dx_b dx_c ... of these axes occurs in the Taylor sum, over the factorial of
 // their number: 1 / (product of the factorials of the axes' multiplicities).
@@ -105,7 +105,7 @@ void PolynomialFunction::expand(const Partials& partials, const BoxTile& tile, M
       const double terms =
           static_cast<double>(partial.coefficients.size() + (degree_ + 2) * (dimension_ + 1) + 16);
       const TileRow rounding = 4.0 * unit_roundoff * terms * size;
-      TileRow weight = TileRow::Base::Constant(taylor_weight(partial.axes) * slack);
+      TileRow weight = TileRow::Base::Constant(taylor_weight(partial.axes) * polynomial_slack);
       for (Eigen::Index axis : partial.axes) weight *= tile.half[axis];
       if (order == 0) form.value = value;
       if (order == 1) form.gradient[partial.axes[0]] = value;
@@ -116,11 +116,11 @@ void PolynomialFunction::expand(const Partials& partials, const BoxTile& tile, M
       } else if (order == 3) {
         form.remainder += weight * (value.abs() + rounding);
       } else {
-        form.remainder += weight * size * slack;
+        form.remainder += weight * size * polynomial_slack;
       }
     }
   }
-  form.remainder *= slack;
+  form.remainder *= polynomial_slack;
 }
 
 void PolynomialFunction::models(const BoxTile& tile, Workspace& workspace, TileModels& y) const {
@@ -149,7 +149,7 @@ void PolynomialFunction::add_deviations(const BoxTile& tile, Workspace& workspac
         q.magnitude += term.abs() * tile.half[d] * tile.half[e];
       }
     }
-    q.remainder += adjoint[i].abs() * form.remainder * slack;
+    q.remainder += adjoint[i].abs() * form.remainder * polynomial_slack;
   }
   q.operations += 4.0 * static_cast<double>(outputs_.size());
 }
@@ -199,7 +199,8 @@ void PolynomialFunction::add_derivative(const BoxTile& tile, Workspace& workspac
     }
     // Where the diagonal's 1/2 is missing the magnitude is only larger.
     q.magnitude += (g.value.abs() + 2.0 * linear + 2.0 * quadratic) * (value.abs() + 2.0 * spread);
-    q.remainder += (linear * r + quadratic * (spread + r) + g.remainder * (value.abs() + spread + r)) * slack;
+    q.remainder +=
+        (linear * r + quadratic * (spread + r) + g.remainder * (value.abs() + spread + r)) * polynomial_slack;
     adjoint[i] = g.value;
   }
   q.operations += 8.0 * static_cast<double>(dimension_);

@@ -9,7 +9,6 @@ namespace s2nnds {
 // Boxes are examined in tiles: every number of a Taylor model is a row of `tile_boxes` doubles, one a box, so
 // that all arithmetic runs over contiguous lanes.
 inline constexpr std::ptrdiff_t tile_boxes = 8;
-inline constexpr double unit_roundoff = 0x1p-53;
 
 // What an activation looks like on |z - z0| <= radius, T = tile_boxes lanes each, in exact arithmetic:
 //   |sigma(z) - value - first (z - z0) - second (z - z0)^2 / 2| <= value_error
@@ -63,7 +62,7 @@ struct TaylorKernels {
   void (*pull_back)(const LayerTile& layer, const PullBackTile& tile);
 };
 
-// The kernels for this processor (AVX-512, AVX2 with FMA, or plain).
+// The kernels for instruction_set().
 const TaylorKernels& taylor_kernels();
 
 }  // namespace s2nnds

@@ -1,25 +1,32 @@
-// The source of the Taylor kernels, included once per instruction set with S2NNDS_TAYLOR_SPACE, the
-// namespace, and S2NNDS_TAYLOR_LANES, the doubles of a register. Only GCC's vector extensions and the C
-// library's functions are used, so that no inline function compiled for a newer processor can reach the rest
-// of the program. Never compiled with -ffast-math; contraction to fused operations only removes roundings
-// that the bounds already cover.
+// The source of the Taylor kernels, included once per instruction set with S2NNDS_KERNEL_SPACE, the
+// namespace, and SIMD_REGISTER_BYTES, the register width. Only GCC's vector extensions and the C library's
+// functions are used, so that no inline function compiled for a newer processor can reach the rest of the
+// program. Never compiled with -ffast-math; contraction to fused operations only removes roundings that the
+// bounds already cover.
 
-namespace s2nnds::S2NNDS_TAYLOR_SPACE {
+#include <math.h>
+
+#include <cstdint>
+#include <cstring>
+
+#include "s2nnds/verification/rounding.h"
+#include "s2nnds/verification/taylor_kernels.h"
+
+namespace s2nnds::S2NNDS_KERNEL_SPACE {
 namespace {
 
-typedef double Lanes __attribute__((vector_size(8 * S2NNDS_TAYLOR_LANES), may_alias));
-typedef long long Words __attribute__((vector_size(8 * S2NNDS_TAYLOR_LANES), may_alias));
+#include "s2nnds/networks/simd_exponential.inl"
 
-inline Lanes load(const double* from) { return *reinterpret_cast<const Lanes*>(from); }
-inline void store(double* to, Lanes x) { *reinterpret_cast<Lanes*>(to) = x; }
+using Lanes = PackOf<double>;
+typedef std::int64_t Words
+    __attribute__((vector_size(SIMD_REGISTER_BYTES)));  // what comparisons of Lanes give
+
 inline Lanes all(double x) { return Lanes{} + x; }
 // NaN in either argument of smaller and larger may get lost: their callers carry it along by other paths.
 inline Lanes smaller(Lanes x, Lanes y) { return x < y ? x : y; }
 inline Lanes larger(Lanes x, Lanes y) { return x > y ? x : y; }
 inline Lanes magnitude(Lanes x) { return x < 0.0 ? -x : x; }
 
-// Relative slack for a sum of at most a few hundred non-negative terms, each a product of a few factors.
-constexpr double slack = 1.0 + 1e-13;
 // The coefficients' own errors: every value, first, second, third below is within this of the exact one,
 // times max(1, |z0|) where z0 enters as a factor.
 constexpr double coefficient_error = 0x1p-43;
@@ -28,26 +35,9 @@ constexpr double coefficient_error = 0x1p-43;
 // 1e-307. x = k ln 2 + r, |r| <= 0.3467 (k ln2_high is exact, so r is wrong by less than 2^-53), Taylor sum
 // to degree 13 (truncation below 5e-18), Horner's roundings below 2 units, one for the last product.
 inline Lanes exp_of_negative(Lanes x) {
-  x = x < -708.0 ? all(-708.0) : x;
-  const Lanes shifted = x * 1.4426950408889634 + 6755399441055744.0;  // 1.5 * 2^52: k in the low bits
-  const Lanes k = shifted - 6755399441055744.0;
-  const Lanes r = (x - k * 6.93147180369123816490e-01) - k * 1.90821492927058770002e-10;
-  Lanes sum = all(1.0 / 6227020800.0);
-  sum = sum * r + 1.0 / 479001600.0;
-  sum = sum * r + 1.0 / 39916800.0;
-  sum = sum * r + 1.0 / 3628800.0;
-  sum = sum * r + 1.0 / 362880.0;
-  sum = sum * r + 1.0 / 40320.0;
-  sum = sum * r + 1.0 / 5040.0;
-  sum = sum * r + 1.0 / 720.0;
-  sum = sum * r + 1.0 / 120.0;
-  sum = sum * r + 1.0 / 24.0;
-  sum = sum * r + 1.0 / 6.0;
-  sum = sum * r + 0.5;
-  sum = sum * r + 1.0;
-  sum = sum * r + 1.0;
-  const Words power = (reinterpret_cast<const Words&>(shifted) << 52) + 0x3FF0000000000000LL;
-  return sum * reinterpret_cast<const Lanes&>(power);
+  Lanes power, series, r;
+  split_exponential<double>(x, power, series, r);
+  return (series * r + 1.0) * power;
 }
 
 struct Expansion {
@@ -79,7 +69,7 @@ inline void remainders(Lanes radius, Lanes scale, Lanes second_bound, Lanes thir
 
 inline bool any_above(Lanes x, double limit) {
   bool above = false;
-  for (int i = 0; i < S2NNDS_TAYLOR_LANES; ++i) above = above || x[i] > limit;
+  for (int i = 0; i < lanes<double>; ++i) above = above || x[i] > limit;
   return above;
 }
 
@@ -184,7 +174,7 @@ inline Logistic logistic(Lanes z0, Lanes radius) {
 // last place.
 inline Lanes softplus_of(Lanes z) {
   Lanes e = exp_of_negative(-magnitude(z));
-  for (int i = 0; i < S2NNDS_TAYLOR_LANES; ++i) e[i] = log1p(e[i]);
+  for (int i = 0; i < lanes<double>; ++i) e[i] = log1p(e[i]);
   return (z < 0.0 ? all(0.0) : z) + e;
 }
 
@@ -246,7 +236,7 @@ inline void expand_elu(Lanes z0, Lanes radius, Expansion& e) {
 // |sin(z0 + d)| <= |sin z0| + |cos z0| |d|, and so for cos.
 inline void expand_sine(Lanes z0, Lanes radius, Expansion& e) {
   Lanes sine = z0, cosine = z0;
-  for (int i = 0; i < S2NNDS_TAYLOR_LANES; ++i) {
+  for (int i = 0; i < lanes<double>; ++i) {
     sine[i] = sin(z0[i]);
     cosine[i] = cos(z0[i]);
   }
@@ -293,19 +283,16 @@ inline void expand_lanes(Activation activation, Lanes z0, Lanes radius, Expansio
 }
 
 void expand(Activation activation, const double* z0, const double* radius, ActivationExpansion& result) {
-  for (ptrdiff_t t = 0; t < tile_boxes; t += S2NNDS_TAYLOR_LANES) {
-    Lanes z, r;
-    memcpy(&z, z0 + t, sizeof z);
-    memcpy(&r, radius + t, sizeof r);
+  for (ptrdiff_t t = 0; t < tile_boxes; t += lanes<double>) {
     Expansion e;
-    expand_lanes(activation, z, r, e);
-    memcpy(result.value + t, &e.value, sizeof z);
-    memcpy(result.first + t, &e.first, sizeof z);
-    memcpy(result.second + t, &e.second, sizeof z);
-    memcpy(result.third + t, &e.third, sizeof z);
-    memcpy(result.value_error + t, &e.value_error, sizeof z);
-    memcpy(result.linear_error + t, &e.linear_error, sizeof z);
-    memcpy(result.first_error + t, &e.first_error, sizeof z);
+    expand_lanes(activation, load(z0 + t), load(radius + t), e);
+    store(result.value + t, e.value);
+    store(result.first + t, e.first);
+    store(result.second + t, e.second);
+    store(result.third + t, e.third);
+    store(result.value_error + t, e.value_error);
+    store(result.linear_error + t, e.linear_error);
+    store(result.first_error + t, e.first_error);
   }
 }
 
@@ -361,7 +348,7 @@ inline void add_square(double* hessian, Lanes weight, const double* p, ptrdiff_t
 void activate(const LayerTile& layer) {
   const ptrdiff_t n = layer.dimension, columns = 1 + n + n * (n + 1) / 2;
   const ptrdiff_t block = columns * tile_boxes, row = layer.streams * block, hessian = (1 + n) * tile_boxes;
-  for (ptrdiff_t t = 0; t < tile_boxes; t += S2NNDS_TAYLOR_LANES) {
+  for (ptrdiff_t t = 0; t < tile_boxes; t += lanes<double>) {
     const double* half = layer.half + t;
     Lanes largest = all(0.0), largest_rate = all(0.0);
     for (ptrdiff_t i = 0; i < layer.width; ++i) {
@@ -430,7 +417,7 @@ void activate(const LayerTile& layer) {
 void pull_back(const LayerTile& layer, const PullBackTile& tile) {
   const ptrdiff_t n = layer.dimension, block = (1 + n + n * (n + 1) / 2) * tile_boxes;
   const ptrdiff_t row = layer.streams * block;
-  for (ptrdiff_t t = 0; t < tile_boxes; t += S2NNDS_TAYLOR_LANES) {
+  for (ptrdiff_t t = 0; t < tile_boxes; t += lanes<double>) {
     const double* half = layer.half + t;
     Lanes remainder = load(tile.remainder + t), terms = load(tile.hessian_magnitude + t);
     for (ptrdiff_t i = 0; i < layer.width; ++i) {
@@ -483,7 +470,7 @@ void pull_back(const LayerTile& layer, const PullBackTile& tile) {
 
 }  // namespace
 
-extern const TaylorKernels kernels;
-const TaylorKernels kernels = {expand, activate, pull_back};
+extern const TaylorKernels taylor_kernels;
+const TaylorKernels taylor_kernels = {expand, activate, pull_back};
 
-}  // namespace s2nnds::S2NNDS_TAYLOR_SPACE
+}  // namespace s2nnds::S2NNDS_KERNEL_SPACE

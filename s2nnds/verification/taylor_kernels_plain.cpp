@@ -1,8 +1,3 @@
-#include <math.h>
-#include <string.h>
-
-#include "s2nnds/verification/taylor_kernels.h"
-
-#define S2NNDS_TAYLOR_SPACE taylor_plain
-#define S2NNDS_TAYLOR_LANES 2
+#define S2NNDS_KERNEL_SPACE plain
+#define SIMD_REGISTER_BYTES 16
 #include "s2nnds/verification/taylor_kernels.inl"

@@ -5,12 +5,11 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/problem/interval.h"
+#include "s2nnds/verification/rounding.h"
 
 namespace s2nnds {
 namespace {
 
-// Room for the roundings of a sum of a few dozen non-negative terms.
-constexpr double slack = 1.0 + 1e-13;
 // Covers what products of tiny numbers lose to underflow.
 constexpr double underflow = 1e-250;
 
