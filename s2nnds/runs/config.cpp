@@ -25,7 +25,6 @@ void VerificationOptions::visit(FieldVisitor& v) {
   v.group("sampled", sampled);
   v.group("conformal", conformal);
   v.group("proof", proof);
-  v.group("disturbance", disturbance);
 }
 
 void EvaluationOptions::visit(FieldVisitor& v) {

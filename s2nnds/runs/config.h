@@ -10,7 +10,6 @@
 #include "s2nnds/problem/safety_problem.h"
 #include "s2nnds/training/trainer_options.h"
 #include "s2nnds/verification/conformal.h"
-#include "s2nnds/verification/disturbance_margin.h"
 #include "s2nnds/verification/prover.h"
 
 namespace s2nnds {
@@ -22,7 +21,6 @@ struct VerificationOptions {
   SampledOptions sampled;
   ConformalOptions conformal;
   ProofOptions proof;
-  DisturbanceOptions disturbance;
 
   void visit(FieldVisitor& v);
 };

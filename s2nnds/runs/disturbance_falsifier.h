@@ -3,7 +3,7 @@
 #include <string>
 
 #include "s2nnds/training/counterexample.h"
-#include "s2nnds/verification/disturbance_margin.h"
+#include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
 
@@ -12,8 +12,7 @@ namespace s2nnds {
 // added behind the ProofSource, whose conditions it presumes.
 class DisturbanceFalsifier : public CounterexampleSource {
  public:
-  DisturbanceFalsifier(const DisturbanceOptions& options, std::int64_t keep)
-      : options_(options), keep_(keep) {}
+  explicit DisturbanceFalsifier(std::int64_t keep) : keep_(keep) {}
   std::string name() const override { return "float32"; }
   bool only_when_clean() const override { return true; }
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
@@ -22,7 +21,6 @@ class DisturbanceFalsifier : public CounterexampleSource {
  private:
   double error_of(const Networks& networks, const Box& workspace);
 
-  DisturbanceOptions options_;
   std::int64_t keep_;  // points that are handed on
   std::string field_;  // hash of the f whose error is known
   double error_ = 0.0;

@@ -20,8 +20,7 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
     if (setup.problem.dimension() > 2)
       quick.max_boxes = quick.max_after_refuted = config.verification.proof.max_boxes;
     trainer.add_source(std::make_shared<ProofSource>(quick, config.training.pool_additions));
-    trainer.add_source(std::make_shared<DisturbanceFalsifier>(config.verification.disturbance,
-                                                              config.training.pool_additions));
+    trainer.add_source(std::make_shared<DisturbanceFalsifier>(config.training.pool_additions));
   }
   trainer.set_rollout_labels([&](const NetworkWeights& f, const Points& starts) {
     return rollout_is_safe(f, setup.problem, starts);

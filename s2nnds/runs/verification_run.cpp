@@ -3,6 +3,8 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
 #include "s2nnds/runs/statement.h"
+#include "s2nnds/verification/disturbance_margin.h"
+#include "s2nnds/verification/float32_error.h"
 #include "s2nnds/verification/guarantee.h"
 
 namespace s2nnds {
@@ -25,7 +27,7 @@ std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecor
   certificate.side = result.side;
   certificate.disturbance_margin = certificate.convergence_radius = 0.0;
   if (result.guarantee == Guarantee::invariant) {
-    const DisturbanceMargin margin = disturbance_margin(functions, setup.problem, options.disturbance);
+    const DisturbanceMargin margin = disturbance_margin(functions, setup.problem);
     certificate.disturbance_margin = margin.margin;
     certificate.convergence_radius = margin.convergence_radius;
     certificate.float32_error = float32_error(record.networks.f, setup.problem.workspace);

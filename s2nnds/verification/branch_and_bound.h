@@ -15,7 +15,7 @@ struct BranchLimits {
   std::int64_t max_depth = 100;      // levels examined
   std::int64_t max_refuted = 2000;   // stop once so many boxes hold a certain violation
   // Stop once so many boxes came with and after the level of the first certain violation.
-  std::int64_t max_after_refuted = std::numeric_limits<std::int64_t>::max();
+  std::int64_t max_after_refuted = 100000;
   std::int64_t max_abandoned = std::numeric_limits<std::int64_t>::max();  // the same for abandoned boxes
   std::int64_t kept_boxes = 10000;                                        // open boxes that are returned
   double max_seconds = 600.0;

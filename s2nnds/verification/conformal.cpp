@@ -46,8 +46,8 @@ const RegionPtr* region_of(Condition condition, const SafetyProblem& problem) {
   }
 }
 
-// False only where the condition's region is provably empty (no obstacle, no margin): nothing is to be checked
-// then.
+// False only where the condition's region is provably empty (no obstacle, no margin): nothing is to be
+// checked then.
 bool has_region(Condition condition, const SafetyProblem& problem) {
   const RegionPtr* region = region_of(condition, problem);
   if (!region) return true;
@@ -71,7 +71,8 @@ Vector scores_in(const RegionPtr& region, Condition condition, const Networks& n
                   sampler.sample(static_cast<std::size_t>(count), random));
 }
 
-// Scores of `count` i.i.d. uniform points of the band |B| <= level_band within X; none if it cannot be sampled.
+// Scores of `count` i.i.d. uniform points of the band |B| <= level_band within X; none if it cannot be
+// sampled.
 Vector scores_in_band(const Networks& networks, const SafetyProblem& problem, double level_band,
                       std::int64_t count, RandomStream& random) {
   const Points x = BandSampler(networks.B, problem.workspace, level_band).sample(count, random);

@@ -9,13 +9,24 @@
 #include <optional>
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/verification/network_function.h"
+#include "s2nnds/verification/rounding.h"
 
 namespace s2nnds {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr std::int64_t kSpareBoxes = 20000;
+
+// Relative width of the last bisection: a margin is stated to a few per cent.
+constexpr double tolerance = 0.03;
+// Examined in each step, at most: some seconds, after which a smaller disturbance is worth more.
+constexpr std::int64_t most_boxes = 500000;
+// What a step may take beyond twice the boxes of the first cover.
+constexpr std::int64_t spare_boxes = 20000;
+// Boxes this small, relative to the workspace, are given up: too early only costs margin. The ball around the
+// goal is told to the size of a box, so coarser ones do there.
+constexpr double level_resolution = 1e-4, ball_resolution = 0.004;
+// For the margin and the ball together.
+constexpr double most_seconds = 60.0;
 
 void raise_to(std::atomic<double>& value, double candidate) {
   double seen = value;
@@ -30,7 +41,7 @@ TileRow gradient_norm(ScalarEnclosure& function, const BoxTile& tile) {
     const TileForm& partial = function.partial_derivative(tile, d);
     sum += partial.upper(tile).max(-partial.lower(tile)).square();
   }
-  return sum.sqrt() * (1.0 + 1e-13);
+  return sum.sqrt() * slack;
 }
 
 // What all the examiners below share: their functions, and boxes put into tiles.
@@ -75,9 +86,7 @@ struct LevelSetCover {
     Eigen::RowVectorXd lower, upper;
     double rate, gradient;
 
-    bool withstands(double disturbance) const {
-      return rate + disturbance * gradient * (1.0 + 1e-13) < -1e-300;
-    }
+    bool withstands(double disturbance) const { return rate + disturbance * gradient * slack < -1e-300; }
   };
   std::vector<Member> members;
   double weakest = -infinity;  // largest -(allowed disturbance) at the members' centres
@@ -139,8 +148,7 @@ class DescentExaminer final : public TileExaminer {
     outside_ = barrier_.value(tile_).lower(tile_) > 0.0;
     if (outside_.all()) return;
     rate_ = lyapunov_.lie_derivative(tile_).upper(tile_);
-    if ((!outside_ && rate_ < 0.0).any())
-      rate_ += disturbance_ * gradient_norm(lyapunov_, tile_) * (1.0 + 1e-13);
+    if ((!outside_ && rate_ < 0.0).any()) rate_ += disturbance_ * gradient_norm(lyapunov_, tile_) * slack;
     value_ = lyapunov_.value(tile_).upper(tile_);
   }
   BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd&, const Eigen::RowVectorXd&,
@@ -174,7 +182,7 @@ class SublevelExaminer final : public TileExaminer {
   }
   BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd& lower, const Eigen::RowVectorXd& upper,
                   bool narrow) override {
-    const double reach = lower.cwiseAbs().cwiseMax(upper.cwiseAbs()).norm() * (1.0 + 1e-13);
+    const double reach = lower.cwiseAbs().cwiseMax(upper.cwiseAbs()).norm() * slack;
     if (outside_(lane) || reach <= radius_) return BoxStatus::proved;
     if (!inside_(lane) && !narrow) return BoxStatus::undecided;
     raise_to(radius_, reach);
@@ -188,9 +196,9 @@ class SublevelExaminer final : public TileExaminer {
 
 class Search {
  public:
-  Search(const ProofFunctions& functions, const SafetyProblem& problem, const DisturbanceOptions& options)
-      : functions_(functions), problem_(problem), options_(options) {
-    limits_.max_boxes = options.max_boxes;
+  Search(const ProofFunctions& functions, const SafetyProblem& problem)
+      : functions_(functions), problem_(problem) {
+    limits_.max_boxes = most_boxes;
     keep(0);
   }
 
@@ -230,12 +238,12 @@ class Search {
     return refine(workspace.lower.transpose(), workspace.upper.transpose(), disturbance, found);
   }
 
-  void limit_boxes(std::int64_t boxes) { limits_.max_boxes = std::min(options_.max_boxes, boxes); }
+  void limit_boxes(std::int64_t boxes) { limits_.max_boxes = std::min(most_boxes, boxes); }
 
   double radius(double disturbance) {
-    limits_.max_boxes = options_.max_boxes;
+    limits_.max_boxes = most_boxes;
     limits_.max_abandoned = std::numeric_limits<std::int64_t>::max();
-    const double resolution = options_.radius_resolution * width();
+    const double resolution = ball_resolution * width();
     std::atomic<double> level = 0.0, radius = 0.0;
     const BranchResult descent =
         run([&] { return std::make_unique<DescentExaminer>(functions_, resolution, disturbance, level); });
@@ -251,13 +259,13 @@ class Search {
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
-  bool out_of_time() const { return seconds() > options_.max_seconds; }
+  bool out_of_time() const { return seconds() > most_seconds; }
 
  private:
   double width() const { return (problem_.workspace.upper - problem_.workspace.lower).maxCoeff(); }
 
   BranchResult refine(Points lower, Points upper, double disturbance, LevelSetCover& cover) {
-    const double resolution = options_.resolution * width();
+    const double resolution = level_resolution * width();
     std::deque<LevelSetCover> parts;  // one an examiner, that is one a thread
     BranchResult result = run(std::move(lower), std::move(upper), [&] {
       return std::make_unique<BarrierExaminer>(functions_, resolution, disturbance, parts.emplace_back());
@@ -271,7 +279,7 @@ class Search {
 
   template <typename Factory>
   BranchResult run(Points lower, Points upper, const Factory& factory) {
-    limits_.max_seconds = options_.max_seconds - seconds();
+    limits_.max_seconds = most_seconds - seconds();
     const BranchResult result = branch_and_bound(
         std::move(lower), std::move(upper), [&]() -> std::unique_ptr<BoxExaminer> { return factory(); },
         limits_);
@@ -285,56 +293,27 @@ class Search {
 
   const ProofFunctions& functions_;
   const SafetyProblem& problem_;
-  DisturbanceOptions options_;
   BranchLimits limits_;
   std::int64_t boxes_ = 0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-double lipschitz(Activation activation) { return activation == Activation::silu ? 1.1 : 1.0; }
-
-// Above |sigma(z)| for |z| <= size.
-double activation_size(Activation activation, double size) {
-  switch (activation) {
-    case Activation::tanh:
-    case Activation::sine:
-      return std::min(1.0, size);
-    case Activation::elu:
-    case Activation::softplus:
-      return size + 0.7;
-    case Activation::identity:
-    case Activation::silu:
-      break;
-  }
-  return size;
-}
-
 }  // namespace
 
-void DisturbanceOptions::visit(FieldVisitor& v) {
-  v.field("tolerance", tolerance, inside(0.0, 1.0));
-  v.field("max_boxes", max_boxes, at_least(1));
-  v.field("resolution", resolution, inside(0.0, 1.0));
-  v.field("radius_resolution", radius_resolution, inside(0.0, 1.0));
-  v.field("max_seconds", max_seconds, above(0.0));
-}
-
-DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem,
-                                     const DisturbanceOptions& options) {
-  validate(options);
-  Search search(functions, problem, options);
+DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem) {
+  Search search(functions, problem);
   DisturbanceMargin result;
   std::optional<LevelSetCover> cover = search.cover();
   if (cover && std::isfinite(cover->weakest)) {
     // Steps start from the cover; one that fails would go on to the limit.
-    search.limit_boxes(2 * search.boxes() + kSpareBoxes);
+    search.limit_boxes(2 * search.boxes() + spare_boxes);
     // The centres' ratios say where to look; what counts is what each step proves.
     double low = 0.0, high = -1.2 * cover->weakest;
     while (high < 1e9 && !search.out_of_time() && search.withstands(high, *cover)) {
       low = high;
       high *= 1.5;
     }
-    while (high - low > options.tolerance * high && high > 1e-9 && !search.out_of_time()) {
+    while (high - low > tolerance * high && high > 1e-9 && !search.out_of_time()) {
       const double middle = 0.5 * (low + high);
       (search.withstands(middle, *cover) ? low : high) = middle;
     }
@@ -347,93 +326,17 @@ DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const Safe
 }
 
 BranchResult prove_under_disturbance(const ProofFunctions& functions, const SafetyProblem& problem,
-                                     double disturbance, std::int64_t kept_boxes,
-                                     const DisturbanceOptions& options) {
-  validate(options);
+                                     double disturbance, std::int64_t kept_boxes) {
   check(disturbance >= 0.0, "proof under disturbance: the disturbance is {}, expected >= 0", disturbance);
-  Search search(functions, problem, options);
+  Search search(functions, problem);
   search.keep(kept_boxes);
   LevelSetCover cover;
   return search.from_the_workspace(disturbance, cover);
 }
 
-double convergence_radius(const ProofFunctions& functions, const SafetyProblem& problem, double disturbance,
-                          const DisturbanceOptions& options) {
-  validate(options);
+double convergence_radius(const ProofFunctions& functions, const SafetyProblem& problem, double disturbance) {
   check(disturbance >= 0.0, "convergence radius: the disturbance is {}, expected >= 0", disturbance);
-  return Search(functions, problem, options).radius(disturbance);
-}
-
-namespace {
-
-constexpr double float_roundoff = 0x1p-24;
-constexpr double float_tiny = 1e-35;  // gradual underflow, summed over a layer
-
-// |y_float32 - y| for each output at boxes around `center`.
-Vector propagate(const NetworkWeights& network, const Vector& center, const Vector& half) {
-  constexpr double slack = 1.0 + 1e-9;
-  Vector middle = center, reach = half;  // a lies within middle +- reach
-  Vector error = 6.0 * float_roundoff * (center.cwiseAbs() + half);
-  for (const Layer& layer : network.layers) {
-    const Points size = layer.weight.cwiseAbs();
-    const Vector bias = layer.bias.size() > 0 ? layer.bias : Vector::Zero(layer.weight.rows());
-    const Vector largest = middle.cwiseAbs() + reach + error;
-    const double rounding = 1.01 * (static_cast<double>(layer.weight.cols()) + 4.0) * float_roundoff;
-    error = slack * (size * error + rounding * (size * largest + bias.cwiseAbs()));
-    error.array() += float_tiny;
-    reach = slack * (size * reach);
-    reach.array() += 1e-12 * (size * middle.cwiseAbs() + bias.cwiseAbs()).array();
-    middle = layer.weight * middle + bias;
-    if (layer.activation == Activation::identity) continue;
-    for (Eigen::Index i = 0; i < error.size(); ++i) {
-      const double low = middle(i) - reach(i) - error(i), high = middle(i) + reach(i) + error(i);
-      const double farthest = std::max(std::abs(low), std::abs(high));
-      double slope = lipschitz(layer.activation), nearest = low > 0.0 ? low : (high < 0.0 ? -high : 0.0);
-      if (layer.activation == Activation::tanh) {  // falls with |z|
-        const double t = std::max(0.0, std::tanh(nearest) - 1e-12);
-        slope = 1.0 - t * t;
-        const double a = std::tanh(low), b = std::tanh(high);
-        middle(i) = 0.5 * (a + b);
-        reach(i) = 0.5 * (b - a) + 1e-12;
-      } else {
-        middle(i) = 0.0;
-        reach(i) = activation_size(layer.activation, farthest);
-      }
-      const double unit = std::max(activation_size(layer.activation, farthest), 1.0);
-      error(i) = slack * slope * error(i) + 8.0 * 2.0 * float_roundoff * unit;
-    }
-  }
-  const Vector size = middle.cwiseAbs() + reach + error;
-  return error + 4.0 * float_roundoff * size;
-}
-
-}  // namespace
-
-double float32_error(const NetworkWeights& network, const Box& box) {
-  network.check();
-  check(network.head != Head::squared_norm, "float32 error: expected a vector field");
-  const Eigen::Index n = box.dimension();
-  check(n == network.input_dimension() && box.is_finite(),
-        "float32 error: expected a bounded box of dimension {}", network.input_dimension());
-  // A grid of some 4,000 cells: on small boxes activations are not steeper than they are.
-  const auto side = static_cast<Eigen::Index>(std::max(2.0, std::floor(std::pow(4096.0, 1.0 / double(n)))));
-  Eigen::Index cells = 1;
-  for (Eigen::Index d = 0; d < n; ++d) cells *= side;
-  const Vector offset = network.head == Head::zero_at_origin
-                            ? propagate(network, Vector::Zero(n), Vector::Zero(n))
-                            : Vector::Zero(network.output_dimension());
-  const Vector half = (box.upper - box.lower) / (2.0 * double(side)) * (1.0 + 1e-9);
-  double largest = 0.0;
-  for (Eigen::Index cell = 0; cell < cells; ++cell) {
-    Vector center(n);
-    for (Eigen::Index d = 0, rest = cell; d < n; ++d, rest /= side) {
-      center(d) = box.lower(d) + (box.upper(d) - box.lower(d)) * (double(rest % side) + 0.5) / double(side);
-    }
-    const double found = (propagate(network, center, half) + offset).norm();
-    if (!(found <= largest)) largest = found;
-    if (std::isnan(found)) return infinity;
-  }
-  return largest * (1.0 + 1e-9);
+  return Search(functions, problem).radius(disturbance);
 }
 
 }  // namespace s2nnds

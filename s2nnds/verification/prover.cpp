@@ -13,6 +13,9 @@
 namespace s2nnds {
 namespace {
 
+// Half the side of the first cube around the goal that interval Jacobians are tried on, before its halves.
+constexpr double largest_goal_cube = 0.08;
+
 // Where no neighbourhood of the goal is proved, boxes this close to it are left open.
 constexpr double hopeless_radius = 1e-8;
 
@@ -297,10 +300,10 @@ ConditionProof holds_by_construction(const SafetyProblem& problem) {
 }
 
 // Of the Lyapunov conditions, by interval Jacobians.
-double proved_cube(const ProofFunctions& functions, Condition condition, const ProofOptions& options) {
-  if (condition == Condition::lyapunov_positive) return positive_cube(*functions.V, options.goal_radius);
+double proved_cube(const ProofFunctions& functions, Condition condition) {
+  if (condition == Condition::lyapunov_positive) return positive_cube(*functions.V, largest_goal_cube);
   if (condition != Condition::lyapunov_decrease) return 0.0;
-  return decreasing_cube(*functions.f, *functions.V, options.goal_radius);
+  return decreasing_cube(*functions.f, *functions.V, largest_goal_cube);
 }
 
 void check_dimensions(const ProofFunctions& functions, const SafetyProblem& problem) {
@@ -330,11 +333,7 @@ ProofOptions ProofOptions::fail_fast() {
 
 void ProofOptions::visit(FieldVisitor& v) {
   v.field("max_boxes", max_boxes, at_least(1));
-  v.field("max_refuted", max_refuted, at_least(1));
-  v.field("max_after_refuted", max_after_refuted, at_least(0));
-  v.field("kept_boxes", kept_boxes, at_least(0));
   v.field("max_seconds", max_seconds, above(0.0));
-  v.field("goal_radius", goal_radius, above(0.0));
 }
 
 ProofFunctions ProofFunctions::of(const Networks& networks) {
@@ -387,12 +386,8 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
   if (condition == Condition::lyapunov_positive && functions.V->is_positive_by_construction()) {
     proof = holds_by_construction(problem);
   } else {
-    const double cube = proved_cube(functions, condition, options);
-    BranchLimits limits;
-    limits.max_boxes = options.max_boxes;
-    limits.max_refuted = options.max_refuted;
-    limits.max_after_refuted = options.max_after_refuted;
-    limits.kept_boxes = options.kept_boxes;
+    const double cube = proved_cube(functions, condition);
+    BranchLimits limits = options;
     limits.max_seconds = options.max_seconds - watch.seconds();
     proof = decide({condition, functions, problem, level_band, cube}, limits, progress);
     proof.goal_cube = cube;

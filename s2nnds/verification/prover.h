@@ -12,17 +12,11 @@
 
 namespace s2nnds {
 
-struct ProofOptions {
-  std::int64_t max_boxes = 4000000;  // examined, for each condition
-  std::int64_t max_refuted = 2000;   // a condition is given up once so many boxes hold a certain violation
-  std::int64_t max_after_refuted = 100000;  // the same once so many boxes came after the first
-  std::int64_t kept_boxes = 10000;          // open boxes returned, for each condition
-  double max_seconds = 600.0;               // for the whole of what is to be proved
-  double goal_radius = 0.08;  // largest cube around the goal that interval Jacobians are tried on
-
+// Limits of the proof of each condition; `max_seconds` is for the whole of what is to be proved.
+struct ProofOptions : BranchLimits {
   // For the training loop: gives up early, with the boxes that are open by then.
   static ProofOptions fail_fast();
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // max_boxes and max_seconds
 };
 
 // f, V, B as the prover sees them.
@@ -61,13 +55,13 @@ struct ProofResult {
 
 using ProofProgress = std::function<void(Condition, const BranchProgress&)>;
 
-// Decides all conditions on the whole continuum of the workspace (condition.h), with `level_band` = eps_B >= 0.
-// Sound in floating point: `proved` holds in exact arithmetic for the functions with exactly these double
-// coefficients, and a witness violates its condition in exact arithmetic. Containment is proved on the workspace margin,
-// if there is one, and on the workspace's boundary. Guarantee: `proved` if all conditions hold (containment
-// only where the problem has a workspace margin); `invariant` if containment holds, B(0) <= 0 and X0 lies in the
-// workspace as well. Verdicts and box counts do not depend on the number of threads, unless the time limit
-// strikes. Throws Error on functions or sets of different dimensions.
+// Decides all conditions on the whole continuum of the workspace (condition.h), with `level_band` = eps_B >=
+// 0. Sound in floating point: `proved` holds in exact arithmetic for the functions with exactly these double
+// coefficients, and a witness violates its condition in exact arithmetic. Containment is proved on the
+// workspace margin, if there is one, and on the workspace's boundary. Guarantee: `proved` if all conditions
+// hold (containment only where the problem has a workspace margin); `invariant` if containment holds, B(0) <=
+// 0 and X0 lies in the workspace as well. Verdicts and box counts do not depend on the number of threads,
+// unless the time limit strikes. Throws Error on functions or sets of different dimensions.
 ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
 ProofResult prove(const Networks& networks, const SafetyProblem& problem, double level_band,

@@ -1,0 +1,101 @@
+#include "s2nnds/verification/float32_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+// The roundings, in double, of sums of non-negative numbers over a layer's neurons, up to a million of them.
+constexpr double layer_slack = 1.0 + 1e-9;
+constexpr double float_roundoff = 0x1p-24;
+constexpr double float_tiny = 1e-35;  // gradual underflow, summed over a layer
+
+double lipschitz(Activation activation) { return activation == Activation::silu ? 1.1 : 1.0; }
+
+// Above |sigma(z)| for |z| <= size.
+double activation_size(Activation activation, double size) {
+  switch (activation) {
+    case Activation::tanh:
+    case Activation::sine:
+      return std::min(1.0, size);
+    case Activation::elu:
+    case Activation::softplus:
+      return size + 0.7;
+    case Activation::identity:
+    case Activation::silu:
+      break;
+  }
+  return size;
+}
+
+// |y_float32 - y| for each output at boxes around `center`.
+Vector propagate(const NetworkWeights& network, const Vector& center, const Vector& half) {
+  Vector middle = center, reach = half;  // a lies within middle +- reach
+  Vector error = 6.0 * float_roundoff * (center.cwiseAbs() + half);
+  for (const Layer& layer : network.layers) {
+    const Points size = layer.weight.cwiseAbs();
+    const Vector bias = layer.bias.size() > 0 ? layer.bias : Vector::Zero(layer.weight.rows());
+    const Vector largest = middle.cwiseAbs() + reach + error;
+    const double rounding = 1.01 * (static_cast<double>(layer.weight.cols()) + 4.0) * float_roundoff;
+    error = layer_slack * (size * error + rounding * (size * largest + bias.cwiseAbs()));
+    error.array() += float_tiny;
+    reach = layer_slack * (size * reach);
+    reach.array() += 1e-12 * (size * middle.cwiseAbs() + bias.cwiseAbs()).array();
+    middle = layer.weight * middle + bias;
+    if (layer.activation == Activation::identity) continue;
+    for (Eigen::Index i = 0; i < error.size(); ++i) {
+      const double low = middle(i) - reach(i) - error(i), high = middle(i) + reach(i) + error(i);
+      const double farthest = std::max(std::abs(low), std::abs(high));
+      double slope = lipschitz(layer.activation), nearest = low > 0.0 ? low : (high < 0.0 ? -high : 0.0);
+      if (layer.activation == Activation::tanh) {  // falls with |z|
+        const double t = std::max(0.0, std::tanh(nearest) - 1e-12);
+        slope = 1.0 - t * t;
+        const double a = std::tanh(low), b = std::tanh(high);
+        middle(i) = 0.5 * (a + b);
+        reach(i) = 0.5 * (b - a) + 1e-12;
+      } else {
+        middle(i) = 0.0;
+        reach(i) = activation_size(layer.activation, farthest);
+      }
+      const double unit = std::max(activation_size(layer.activation, farthest), 1.0);
+      error(i) = layer_slack * slope * error(i) + 8.0 * 2.0 * float_roundoff * unit;
+    }
+  }
+  const Vector size = middle.cwiseAbs() + reach + error;
+  return error + 4.0 * float_roundoff * size;
+}
+
+}  // namespace
+
+double float32_error(const NetworkWeights& network, const Box& box) {
+  network.check();
+  check(network.head != Head::squared_norm, "float32 error: expected a vector field");
+  const Eigen::Index n = box.dimension();
+  check(n == network.input_dimension() && box.is_finite(),
+        "float32 error: expected a bounded box of dimension {}", network.input_dimension());
+  // A grid of some 4,000 cells: on small boxes activations are not steeper than they are.
+  const auto side = static_cast<Eigen::Index>(std::max(2.0, std::floor(std::pow(4096.0, 1.0 / double(n)))));
+  Eigen::Index cells = 1;
+  for (Eigen::Index d = 0; d < n; ++d) cells *= side;
+  const Vector offset = network.head == Head::zero_at_origin
+                            ? propagate(network, Vector::Zero(n), Vector::Zero(n))
+                            : Vector::Zero(network.output_dimension());
+  const Vector half = (box.upper - box.lower) / (2.0 * double(side)) * layer_slack;
+  double largest = 0.0;
+  for (Eigen::Index cell = 0; cell < cells; ++cell) {
+    Vector center(n);
+    for (Eigen::Index d = 0, rest = cell; d < n; ++d, rest /= side) {
+      center(d) = box.lower(d) + (box.upper(d) - box.lower(d)) * (double(rest % side) + 0.5) / double(side);
+    }
+    const double found = (propagate(network, center, half) + offset).norm();
+    if (!(found <= largest)) largest = found;
+    if (std::isnan(found)) return std::numeric_limits<double>::infinity();
+  }
+  return largest * layer_slack;
+}
+
+}  // namespace s2nnds
