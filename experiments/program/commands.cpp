@@ -12,9 +12,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/settings.h"
 #include "s2nnds/data/readers.h"
-#include "s2nnds/deployment/cpp_header.h"
-#include "s2nnds/deployment/onnx.h"
-#include "s2nnds/deployment/torchscript.h"
+#include "s2nnds/deployment/export_format.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
 #include "s2nnds/runs/evaluation_run.h"
 #include "s2nnds/runs/summary.h"
@@ -103,23 +101,6 @@ TrainingStart start_from_run(const TrainArguments& arguments, const std::string&
   return start;
 }
 
-PolicyInfo policy_info(const RunRecord& record) {
-  PolicyInfo info;
-  info.name = record.name;
-  info.position_scale = record.data.frame.position_scale;
-  info.velocity_scale = record.data.frame.velocity_scale;
-  info.unit = record.data.frame.unit;
-  info.guarantee = to_string(record.certificate.guarantee);
-  info.statement = record.certificate.statement;
-  info.workspace_lower = record.problem.workspace.lower;
-  info.workspace_upper = record.problem.workspace.upper;
-  info.disturbance_margin = record.certificate.disturbance_margin;
-  info.float32_error = record.certificate.float32_error > 0.0
-                           ? record.certificate.float32_error
-                           : float32_error(record.networks.f, record.problem.workspace);
-  return info;
-}
-
 void verify_and_evaluate(const PreparedRun& setup, RunRecord& record) {
   const VerificationOptions& options = setup.config.verification;
   for (const Method method : {Method::sampled, Method::conformal, Method::proof})
@@ -196,28 +177,13 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
 int export_policy(const ExportArguments& arguments, const CommonArguments& common) {
   set_threads(common.threads);
   const RunRecord record = load_run(arguments.run);
-  const bool header = arguments.format == "cpp", onnx = arguments.format == "onnx";
-  const std::string path = arguments.out.empty() ? sibling(arguments.run, header ? ".h"
-                                                                          : onnx ? ".onnx"
-                                                                                 : ".pt")
-                                                 : arguments.out;
+  const ExportFormat& format = export_format_from(arguments.format);
+  const std::string path =
+      arguments.out.empty() ? sibling(arguments.run, std::string(format.ending)) : arguments.out;
   check_writable(path);
-  check(record.certificate.weight_hash.empty() ||
-            record.certificate.weight_hash == weight_hash(record.networks),
-        "{}: the certificate speaks of other weights than the file holds", arguments.run);
-  const PolicyInfo info = policy_info(record);
-  if (header) {
-    export_cpp_header(record.networks, info, header_precision_from(arguments.precision), path);
-  } else if (onnx) {
-    export_onnx(record.networks, info, path);
-  } else {
-    export_torchscript(record.networks, info, path);
-  }
-  fmt::print("{}: {} policy, guarantee {}\n", path,
-             header ? "C++"
-             : onnx ? "ONNX"
-                    : "TorchScript",
-             info.guarantee);
+  const Policy policy = policy_of(record);
+  export_policy(policy, format, {header_precision_from(arguments.precision)}, path);
+  fmt::print("{}: {}, guarantee {}\n", path, format.title, policy.info.guarantee);
   if (common.json) fmt::print("{}\n", summary_json(record, arguments.run));
   return kVerified;
 }

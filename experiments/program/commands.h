@@ -45,7 +45,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common);
 
 struct ExportArguments {
   std::string run;
-  std::string format = "torchscript";
+  std::string format;
   std::string precision = "float";  // of f in a C++ header
   std::string out;
 };

@@ -1,6 +1,7 @@
 // s2nnds: learns a motion from demonstrations and certifies it. See README.md for the commands.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
@@ -10,12 +11,26 @@
 #include "commands.h"
 #include "log.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/deployment/export_format.h"
 #include "s2nnds/runs/version.h"
 #include "sweep_command.h"
 
 namespace {
 
 using namespace s2nnds::program;
+
+// The choices and the help of export --format come from the table of formats.
+void add_export_format(CLI::App& command, ExportArguments& policy) {
+  std::vector<std::string> names, help;
+  for (const s2nnds::ExportFormat& format : s2nnds::export_formats()) {
+    names.emplace_back(format.name);
+    help.push_back(fmt::format("{} ({}, for {})", format.name, format.ending, format.needs));
+  }
+  policy.format = names.front();
+  command.add_option("--format", policy.format, fmt::format("{}", fmt::join(help, ", ")))
+      ->capture_default_str()
+      ->check(CLI::IsMember(names));
+}
 
 int run(int argc, char** argv) {
   CLI::App app("Learns robot motions from demonstrations and certifies that they converge and stay safe.",
@@ -70,11 +85,10 @@ int run(int argc, char** argv) {
   ExportArguments policy;
   sub = command("export", "write the policy of a stored run");
   sub->add_option("run", policy.run, "run file")->required();
-  sub->add_option("--format", policy.format, "torchscript, onnx, or cpp: a header for control loops")
-      ->check(CLI::IsMember({"torchscript", "onnx", "cpp"}));
-  sub->add_option("--precision", policy.precision, "cpp: what f is computed in, float or double")
+  add_export_format(*sub, policy);
+  sub->add_option("--precision", policy.precision, "header: what f is computed in, float or double")
       ->check(CLI::IsMember({"float", "double"}));
-  sub->add_option("--out", policy.out, "file to write (default RUN.pt, RUN.onnx or RUN.h)");
+  sub->add_option("--out", policy.out, "file to write (default: the run's name with the format's ending)");
   sub->callback([&] { code = export_policy(policy, common); });
 
   PlotArguments figures;

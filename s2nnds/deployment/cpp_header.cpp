@@ -1,11 +1,12 @@
 #include "s2nnds/deployment/cpp_header.h"
 
+#include <fmt/ranges.h>
+
 #include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
 
-#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/deployment/policy_kernels.h"
 #include "s2nnds/networks/dense_kernels.h"
@@ -16,13 +17,9 @@ namespace {
 constexpr Eigen::Index kNarrow = 8;  // fewer outputs are computed one by one, along the inputs
 constexpr std::size_t kNumbersALine = 10;
 
-// A literal that the compiler reads back as exactly this value.
+// A literal that the compiler reads back as exactly this value, rounded to float if `single`.
 std::string literal(double value, bool single) {
-  if (!single) return fmt::format("{:#}", value);
-  const auto rounded = static_cast<float>(value);
-  check(std::isfinite(rounded), "policy: the weight {} is beyond float's range, use --precision double",
-        value);
-  return fmt::format("{:#}F", rounded);
+  return single ? fmt::format("{:#}F", static_cast<float>(value)) : fmt::format("{:#}", value);
 }
 
 std::string string_literal(std::string_view text) {
@@ -72,7 +69,7 @@ class NetworkSource {
         stack_(stack),
         single_(single),
         real_(single ? "float" : "double") {
-    stack.check();
+    if (single) check_fits_float(stack);
   }
 
   void write_all() {
@@ -217,58 +214,74 @@ namespace {} {{
       space);
 }
 
-void write_constants(Text& text, const Networks& networks, const PolicyInfo& info, bool single) {
-  const auto number = [&](const char* name, double value, const char* comment) {
-    put(text, "inline constexpr double {} = {:#};{}\n", name, value, comment);
-  };
-  const auto words = [&](const char* name, const std::string& value) {
-    put(text, "inline constexpr char {}[] = {};\n", name, string_literal(value));
-  };
-  const Eigen::Index n = networks.f.input_dimension();
-  words("name", info.name);
-  words("unit", info.unit);
-  words("guarantee", info.guarantee);
-  words("statement", info.statement);
-  words("weight_hash", weight_hash(networks));
-  words("precision", single ? "float" : "double");
-  put(text, "inline constexpr int dimension = {};\n", n);
-  number("position_scale", info.position_scale, "  // position / position_scale = normalised");
-  number("velocity_scale", info.velocity_scale, "  // normalised * velocity_scale = velocity");
-  number("disturbance_margin", info.disturbance_margin * info.velocity_scale,
-         "  // certified for x' = velocity(x) + w, |w| <= this; 0: none");
-  number("float32_error", info.float32_error * info.velocity_scale,
-         "  // bound on |error| in float, in the workspace");
-  put(text, "inline constexpr double workspace[{}] = {{", 2 * n);
-  for (Eigen::Index i = 0; i < 2 * n; ++i) {
-    const double corner = i < n ? info.workspace_lower[i] : info.workspace_upper[i - n];
-    put(text, "{}{:#}", i == 0 ? "" : ", ", info.position_scale * corner);
-  }
-  put(text, "}};  // lower corner, upper corner\n\nnamespace detail {{\n");
+// The declaration of a constant and its value.
+std::string constant(const std::string& name, const std::string& value) {
+  return fmt::format("char {}[] = {}", name, string_literal(value));
+}
+std::string constant(const std::string& name, std::int64_t value) {
+  return fmt::format("int {} = {}", name, value);
+}
+std::string constant(const std::string& name, double value) {
+  if (!std::isfinite(value)) return fmt::format("double {} = HUGE_VAL", name);
+  return fmt::format("double {} = {}", name, literal(value, false));
+}
+std::string constant(const std::string& name, const std::vector<double>& values) {
+  std::vector<std::string> literals;
+  for (const double value : values) literals.push_back(literal(value, false));
+  return fmt::format("double {}[{}] = {{{}}}", name, values.size(), fmt::join(literals, ", "));
 }
 
-constexpr const char* kInterface = R"(}}  // namespace detail
+void write_constants(Text& text, const PolicyInfo& info, bool single) {
+  const auto write = [&](const char* name, const auto& value, const char* meaning) {
+    put(text, "inline constexpr {};  // {}\n", constant(name, value), meaning);
+  };
+  info.visit(write);
+  write("precision", std::string(single ? "float" : "double"), "of f; V and B are computed in double");
+}
+
+constexpr const char* kVectors = R"(
+namespace detail {
+
+#if !defined(__GNUC__) || defined(POLICY_WITHOUT_VECTORS)
+#define SIMD_REGISTER_BYTES 0
+#elif defined(__AVX512F__)
+#define SIMD_REGISTER_BYTES 64
+#elif defined(__AVX__)
+#define SIMD_REGISTER_BYTES 32
+#else
+#define SIMD_REGISTER_BYTES 16
+#endif
+)";
+
+constexpr const char* kInterface = R"(#undef SIMD_REGISTER_BYTES
+
+template <typename Real>
+struct Normalised {{  // the networks' argument of the position x
+  Real z[dimension];
+  explicit Normalised(const double* x) noexcept {{
+    for (int i = 0; i < dimension; ++i) z[i] = static_cast<Real>(x[i] / position_scale);
+  }}
+}};
+}}  // namespace detail
 
 // v [dimension] = the velocity at the position x [dimension], goal-centred, in `unit` and `unit` per second.
 inline void velocity(const double* x, double* v) noexcept {{
-  {0} z[dimension], y[dimension];
-  for (int i = 0; i < dimension; ++i) z[i] = static_cast<{0}>(x[i] / position_scale);
-  detail::f(z, y);
+  {0} y[dimension];
+  detail::f(detail::Normalised<{0}>(x).z, y);
   for (int i = 0; i < dimension; ++i) v[i] = static_cast<double>(y[i]) * velocity_scale;
 }}
 
 // The Lyapunov function at the position x [dimension]: it falls along motions, to 0 at the goal.
 inline double lyapunov(const double* x) noexcept {{
-  double z[dimension], y = 0.0;
-  for (int i = 0; i < dimension; ++i) z[i] = x[i] / position_scale;
-  detail::V(z, &y);
+  double y = 0.0;
+  detail::V(detail::Normalised<double>(x).z, &y);
   return y;
 }}
 
 // The barrier function at the position x [dimension]: motions that start where it is <= 0 stay there.
 inline double barrier(const double* x) noexcept {{
-  double z[dimension], y = 0.0;
-  for (int i = 0; i < dimension; ++i) z[i] = x[i] / position_scale;
-  detail::B(z, &y);
+  double y = 0.0;
+  detail::B(detail::Normalised<double>(x).z, &y);
   return y;
 }}
 
@@ -282,23 +295,6 @@ inline bool safe(const double* x) noexcept {{
 
 }}  // namespace {1}
 )";
-
-void check_fit(const Networks& networks, const PolicyInfo& info) {
-  const Eigen::Index n = networks.f.input_dimension();
-  check(n > 0 && networks.f.output_dimension() == n && networks.V.input_dimension() == n &&
-            networks.B.input_dimension() == n && networks.V.output_dimension() == 1 &&
-            networks.B.output_dimension() == 1 && networks.f.head != Head::squared_norm,
-        "policy: found f {} -> {}, V {} -> {}, B {} -> {}, expected n -> n, n -> 1, n -> 1", n,
-        networks.f.output_dimension(), networks.V.input_dimension(), networks.V.output_dimension(),
-        networks.B.input_dimension(), networks.B.output_dimension());
-  check(info.workspace_lower.size() == n && info.workspace_upper.size() == n,
-        "policy: found a workspace of dimension {}, expected {}", info.workspace_lower.size(), n);
-  check(info.workspace_lower.allFinite() && info.workspace_upper.allFinite() && info.position_scale > 0.0 &&
-            info.velocity_scale > 0.0 && std::isfinite(info.position_scale) &&
-            std::isfinite(info.velocity_scale),
-        "policy: found scales {} and {} or a workspace that are not finite and positive", info.position_scale,
-        info.velocity_scale);
-}
 
 }  // namespace
 
@@ -316,21 +312,20 @@ std::string policy_namespace(const std::string& path) {
   return space;
 }
 
-void export_cpp_header(const Networks& networks, const PolicyInfo& info, HeaderPrecision precision,
-                       const std::string& path) {
-  check_fit(networks, info);
+std::string cpp_header(const Policy& policy, HeaderPrecision precision, const std::string& space) {
   const bool single = precision == HeaderPrecision::float32;
-  const std::string space = policy_namespace(path);
   Text text;
   write_head(text, space);
-  write_constants(text, networks, info, single);
-  text.append(std::string_view(policy_kernels_source));
-  put(text, "\n");
-  NetworkSource(text, "f", networks.f, single).write_all();
-  NetworkSource(text, "V", networks.V, false).write_all();
-  NetworkSource(text, "B", networks.B, false).write_all();
+  write_constants(text, policy.info, single);
+  for (const char* source : {kVectors, simd_exponential_source, policy_kernels_source}) {
+    text.append(std::string_view(source));
+    put(text, "\n");
+  }
+  NetworkSource(text, "f", policy.networks.f, single).write_all();
+  NetworkSource(text, "V", policy.networks.V, false).write_all();
+  NetworkSource(text, "B", policy.networks.B, false).write_all();
   put(text, kInterface, single ? "float" : "double", space);
-  write_atomic_file(path, fmt::to_string(text), "the policy");
+  return fmt::to_string(text);
 }
 
 }  // namespace s2nnds

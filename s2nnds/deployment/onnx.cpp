@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 #include <onnx/onnx_pb.h>
 
-#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {
@@ -81,7 +80,7 @@ std::string activate(GraphBuilder& graph, Activation activation, const std::stri
 
 // y(z) for normalised z [N, n]: [N, m], or [N] for squared_norm.
 std::string add_network(GraphBuilder& graph, const NetworkWeights& stack, const std::string& z) {
-  stack.check();
+  check_fits_float(stack);
   std::string a = z;
   for (const Layer& layer : stack.layers) {
     std::vector<std::string> inputs = {a, graph.constant(floats(layer.weight.data(), layer.weight.size()),
@@ -91,9 +90,7 @@ std::string add_network(GraphBuilder& graph, const NetworkWeights& stack, const 
     a = activate(graph, layer.activation, graph.node("Gemm", inputs, {{"transB", 1}}));
   }
   if (stack.head != Head::plain) {
-    NetworkWeights plain = stack;
-    plain.head = Head::plain;
-    const Points origin = plain.value(Points::Zero(1, stack.input_dimension()));
+    const Points origin = layers_at_origin(stack);
     a = graph.node("Sub", {a, graph.constant(floats(origin.data(), origin.size()), {origin.size()})});
   }
   const auto sum_of_squares = [&](const std::string& v) {
@@ -114,46 +111,31 @@ void describe(onnx::ValueInfoProto& value, const std::string& name, std::int64_t
   if (columns > 0) type.mutable_shape()->add_dim()->set_dim_value(columns);
 }
 
-void add_metadata(onnx::ModelProto& model, const Networks& networks, const PolicyInfo& info) {
-  const auto entry = [&](const std::string& key, const std::string& value) {
-    onnx::StringStringEntryProto& property = *model.add_metadata_props();
-    property.set_key(key);
-    property.set_value(value);
-  };
-  Vector corners(2 * info.workspace_lower.size());
-  corners << info.position_scale * info.workspace_lower, info.position_scale * info.workspace_upper;
-  entry("name", info.name);
-  entry("unit", info.unit);
-  entry("guarantee", info.guarantee);
-  entry("statement", info.statement);
-  entry("weight_hash", weight_hash(networks));
-  entry("dimension", std::to_string(networks.f.input_dimension()));
-  entry("position_scale", fmt::format("{}", info.position_scale));
-  entry("velocity_scale", fmt::format("{}", info.velocity_scale));
-  entry("workspace", fmt::format("{}", fmt::join(corners.begin(), corners.end(), ", ")));
-}
+std::string metadata(const std::string& value) { return value; }
+std::string metadata(std::int64_t value) { return fmt::format("{}", value); }
+std::string metadata(double value) { return fmt::format("{}", value); }
+std::string metadata(const std::vector<double>& values) { return fmt::format("{}", fmt::join(values, ", ")); }
 
 }  // namespace
 
-void export_onnx(const Networks& networks, const PolicyInfo& info, const std::string& path) {
-  const std::int64_t n = networks.f.input_dimension();
-  check(info.workspace_lower.size() == n && info.workspace_upper.size() == n,
-        "policy: found a workspace of dimension {}, expected {}", info.workspace_lower.size(), n);
+std::string onnx_model(const Policy& policy) {
+  const PolicyInfo& info = policy.info;
   onnx::ModelProto model;
   model.set_ir_version(7);
   model.set_producer_name("s2nnds");
   model.add_opset_import()->set_version(13);
   onnx::GraphProto& graph = *model.mutable_graph();
   graph.set_name("policy");
-  describe(*graph.add_input(), "position", n);
-  describe(*graph.add_output(), "velocity", n);
+  describe(*graph.add_input(), "position", info.dimension);
+  describe(*graph.add_output(), "velocity", info.dimension);
   describe(*graph.add_output(), "lyapunov", 0);
   describe(*graph.add_output(), "barrier", 0);
   GraphBuilder builder(graph);
   const std::string z = builder.node("Div", {"position", builder.constant(info.position_scale)});
-  const std::string f = add_network(builder, networks.f, z);
+  const std::string f = add_network(builder, policy.networks.f, z);
   builder.node("Mul", {f, builder.constant(info.velocity_scale)}, {}, "velocity");
-  for (const auto& [stack, name] : {std::pair(&networks.V, "lyapunov"), std::pair(&networks.B, "barrier")}) {
+  for (const auto& [stack, name] :
+       {std::pair(&policy.networks.V, "lyapunov"), std::pair(&policy.networks.B, "barrier")}) {
     const std::string y = add_network(builder, *stack, z);
     if (stack->head == Head::squared_norm) {
       builder.node("Identity", {y}, {}, name);
@@ -161,10 +143,14 @@ void export_onnx(const Networks& networks, const PolicyInfo& info, const std::st
       builder.node("Squeeze", {y, builder.axis_one()}, {}, name);
     }
   }
-  add_metadata(model, networks, info);
+  info.visit([&](const char* name, const auto& value, const char*) {
+    onnx::StringStringEntryProto& property = *model.add_metadata_props();
+    property.set_key(name);
+    property.set_value(metadata(value));
+  });
   std::string bytes;
   check(model.SerializeToString(&bytes), "policy: ONNX refused the model");
-  write_atomic_file(path, bytes, "the policy");
+  return bytes;
 }
 
 }  // namespace s2nnds

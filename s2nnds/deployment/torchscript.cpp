@@ -5,7 +5,6 @@
 
 #include <sstream>
 
-#include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {
@@ -33,11 +32,11 @@ std::string call(Activation activation, const std::string& z) {
   fail("activation: found the unknown value {}", static_cast<int>(activation));
 }
 
-// Registers the weights of one network under `prefix` and returns the source of its method prefix(z), z [N,
-// n] normalised -> [N, m].
+// Registers the weights of one network under `prefix` and returns the source of its method prefix(z),
+// z [N, n] normalised -> [N, m].
 std::string define_network(torch::jit::Module& module, const NetworkWeights& stack,
                            const std::string& prefix) {
-  stack.check();
+  check_fits_float(stack);
   std::string source = "def " + prefix + "(self, z: Tensor) -> Tensor:\n  a = z\n";
   for (std::size_t k = 0; k < stack.layers.size(); ++k) {
     const Layer& layer = stack.layers[k];
@@ -53,9 +52,7 @@ std::string define_network(torch::jit::Module& module, const NetworkWeights& sta
     source += "  a = " + call(layer.activation, z) + "\n";
   }
   if (stack.head != Head::plain) {
-    NetworkWeights plain = stack;
-    plain.head = Head::plain;
-    const Points at_origin = plain.value(Points::Zero(1, stack.input_dimension()));
+    const Points at_origin = layers_at_origin(stack);
     module.register_buffer(prefix + "_origin", to_float32(at_origin.data(), {at_origin.cols()}));
     source += fmt::format("  a = a - self.{}_origin\n", prefix);
   }
@@ -66,6 +63,17 @@ std::string define_network(torch::jit::Module& module, const NetworkWeights& sta
     source += "  return a\n";
   }
   return source;
+}
+
+torch::Tensor to_float64(const double* data, std::int64_t count) {
+  return torch::from_blob(const_cast<double*>(data), {count}, torch::kFloat64).clone();
+}
+
+void set_attributes(torch::jit::Module& module, const PolicyInfo& info) {
+  info.visit([&](const char* name, const auto& value, const char*) {
+    const torch::IValue constant(value);
+    module.register_attribute(name, constant.type(), constant);
+  });
 }
 
 void define_interface(torch::jit::Module& module) {
@@ -88,8 +96,7 @@ def safe(self, x: Tensor) -> Tensor:
 )");
 }
 
-// In memory first: when a write fails, torch's own file writer throws out of its destructor and ends the
-// program.
+// In memory: when a write fails, torch's own file writer throws out of its destructor and ends the program.
 std::string serialised(const torch::jit::Module& module) {
   std::ostringstream bytes;
   module.save(bytes);
@@ -98,40 +105,23 @@ std::string serialised(const torch::jit::Module& module) {
 
 }  // namespace
 
-void export_torchscript(const Networks& networks, const PolicyInfo& info, const std::string& path) {
+std::string torchscript_module(const Policy& policy) {
   torch::jit::Module module("S2nndsPolicy");
-  const std::int64_t n = networks.f.input_dimension();
-  check(info.workspace_lower.size() == n && info.workspace_upper.size() == n,
-        "policy: found a workspace of dimension {}, expected {}", info.workspace_lower.size(), n);
-  const Vector lower = info.position_scale * info.workspace_lower,
-               upper = info.position_scale * info.workspace_upper;
-  std::vector<double> corners(lower.begin(), lower.end());
-  corners.insert(corners.end(), upper.begin(), upper.end());
-  const auto attribute = [&](const std::string& name, const c10::TypePtr& type, const torch::IValue& value) {
-    module.register_attribute(name, type, value);
-  };
-  attribute("position_scale", c10::FloatType::get(), info.position_scale);
-  attribute("velocity_scale", c10::FloatType::get(), info.velocity_scale);
-  attribute("dimension", c10::IntType::get(), n);
-  attribute("name", c10::StringType::get(), info.name);
-  attribute("unit", c10::StringType::get(), info.unit);
-  attribute("guarantee", c10::StringType::get(), info.guarantee);
-  attribute("statement", c10::StringType::get(), info.statement);
-  attribute("weight_hash", c10::StringType::get(), weight_hash(networks));
-  attribute("workspace", c10::ListType::ofFloats(), corners);
-  module.register_buffer("workspace_lower", torch::from_blob(corners.data(), {n}, torch::kFloat64).clone());
-  module.register_buffer("workspace_upper",
-                         torch::from_blob(corners.data() + n, {n}, torch::kFloat64).clone());
+  const std::vector<double>& workspace = policy.info.workspace;
+  const std::int64_t n = policy.info.dimension;
+  set_attributes(module, policy.info);
+  module.register_buffer("workspace_lower", to_float64(workspace.data(), n));
+  module.register_buffer("workspace_upper", to_float64(workspace.data() + n, n));
   try {
-    module.define(define_network(module, networks.f, "f"));
-    module.define(define_network(module, networks.V, "V"));
-    module.define(define_network(module, networks.B, "B"));
+    module.define(define_network(module, policy.networks.f, "f"));
+    module.define(define_network(module, policy.networks.V, "V"));
+    module.define(define_network(module, policy.networks.B, "B"));
     define_interface(module);
     module.eval();
   } catch (const c10::Error& e) {
     fail("policy: TorchScript refused the module: {}", e.what_without_backtrace());
   }
-  write_atomic_file(path, serialised(module), "the policy");
+  return serialised(module);
 }
 
 }  // namespace s2nnds

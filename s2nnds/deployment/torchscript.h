@@ -2,18 +2,17 @@
 
 #include <string>
 
-#include "s2nnds/deployment/policy_info.h"
-#include "s2nnds/networks/network_weights.h"
+#include "s2nnds/deployment/policy.h"
 
 namespace s2nnds {
 
-// Writes a TorchScript module (loads with torch.jit.load and torch::jit::load):
-//   forward(x):  positions [N, n] in the data's unit, goal-centred -> velocities [N, n] in that unit per
-//   second lyapunov(x), barrier(x) [N] and safe(x) [N] (bool: B <= 0 and inside the workspace) on the same
-//   positions attributes position_scale, velocity_scale, unit, dimension, guarantee, statement, weight_hash,
-//   name, workspace (lower corner, then upper corner, in the data's unit).
-// Weights are float32, as they were trained; module.double() evaluates in double. The file is written beside
-// `path` and renamed. Throws Error if it cannot be written.
-void export_torchscript(const Networks& networks, const PolicyInfo& info, const std::string& path);
+// The bytes of a TorchScript module (loads with torch.jit.load and torch::jit::load):
+//   forward(x)               positions [N, n] in the data's unit, goal-centred -> velocities [N, n] in that unit
+//                            per second
+//   lyapunov(x), barrier(x)  [N]
+//   safe(x)                  [N] bool: B <= 0 and inside the workspace
+// and every field of PolicyInfo as an attribute. Weights are float32, as they were trained; module.double()
+// evaluates in double. Throws Error if a weight is beyond float's range.
+std::string torchscript_module(const Policy& policy);
 
 }  // namespace s2nnds

@@ -3,8 +3,7 @@
 // WIDTH...
 #include <string>
 
-#include "s2nnds/deployment/cpp_header.h"
-#include "s2nnds/deployment/torchscript.h"
+#include "s2nnds/deployment/export_format.h"
 #include "work.h"
 
 int main(int argc, char** argv) {
@@ -14,17 +13,17 @@ int main(int argc, char** argv) {
     NetworkOptions options;
     options.f.network.hidden.assign(3, std::stol(argv[k]));
     RandomStream random(0, "evaluation");
-    const Networks networks = {VectorField(2, options.f, random)->snapshot(),
-                               Lyapunov(2, options.V, random)->snapshot(),
-                               Barrier(2, options.B, random)->snapshot()};
-    PolicyInfo info;
-    info.name = "benchmark";
-    info.guarantee = "none";
-    info.workspace_lower = Vector::Constant(2, -1.25);
-    info.workspace_upper = Vector::Constant(2, 1.25);
-    export_cpp_header(networks, info, HeaderPrecision::float32, stem + ".h");
-    export_cpp_header(networks, info, HeaderPrecision::float64, stem + "_double.h");
-    export_torchscript(networks, info, stem + ".pt");
+    Policy policy;
+    policy.networks = {VectorField(2, options.f, random)->snapshot(),
+                       Lyapunov(2, options.V, random)->snapshot(), Barrier(2, options.B, random)->snapshot()};
+    policy.info.name = "benchmark";
+    policy.info.guarantee = "none";
+    policy.info.weight_hash = weight_hash(policy.networks);
+    policy.info.dimension = 2;
+    policy.info.workspace = {-1.25, -1.25, 1.25, 1.25};
+    export_policy(policy, export_format_from("header"), {HeaderPrecision::float32}, stem + ".h");
+    export_policy(policy, export_format_from("header"), {HeaderPrecision::float64}, stem + "_double.h");
+    export_policy(policy, export_format_from("torchscript"), {}, stem + ".pt");
   }
   return 0;
 }

@@ -15,7 +15,7 @@
 #include "random_policy.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
-#include "s2nnds/verification/disturbance_margin.h"
+#include "s2nnds/verification/float32_error.h"
 
 namespace s2nnds {
 namespace {
@@ -104,7 +104,7 @@ class CppHeader : public testing::Test {
   void expect_same(const Networks& networks, HeaderPrecision precision, double allowed,
                    const std::string& flags) {
     const Eigen::Index n = networks.f.input_dimension();
-    export_cpp_header(networks, random_policy_info(static_cast<int>(n)), precision, path("policy.h"));
+    write_policy(networks, "header", path("policy.h"), precision);
     const Points z = Points::NullaryExpr(300, n, [&] { return random_.uniform(-1.25, 1.5); });
     const Answers found = ask(40.0 * z, flags);
     EXPECT_LE((found.velocity / 25.0 - networks.f.value(z)).rowwise().norm().maxCoeff(), allowed) << flags;
@@ -167,7 +167,7 @@ TEST_F(CppHeader, TanhInFloatIsWithinWhatTheBoundAllows) {
   layer.activation = Activation::tanh;
   networks.f = {};
   networks.f.layers = {layer};
-  export_cpp_header(networks, random_policy_info(2), HeaderPrecision::float32, path("policy.h"));
+  write_policy(networks, "header", path("policy.h"));
   Points z(20000, 2);
   z.col(0).setLinSpaced(-12.0, 12.0);
   z.col(1) = (Vector::LinSpaced(z.rows(), -20.0, 2.0).array() * std::log(10.0)).exp();
@@ -181,7 +181,7 @@ TEST_F(CppHeader, TanhInFloatIsWithinWhatTheBoundAllows) {
 TEST_F(CppHeader, TheGoalIsAnEquilibriumExactly) {
   const Networks networks = random_networks(2, Activation::silu, random_);
   for (const HeaderPrecision precision : {HeaderPrecision::float32, HeaderPrecision::float64}) {
-    export_cpp_header(networks, random_policy_info(2), precision, path("policy.h"));
+    write_policy(networks, "header", path("policy.h"), precision);
     for (const char* flags : {"-O0", kFast}) {
       const Answers found = ask(Points::Zero(1, 2), flags);
       EXPECT_EQ(found.velocity, Points::Zero(1, 2)) << flags;
@@ -193,8 +193,7 @@ TEST_F(CppHeader, TheGoalIsAnEquilibriumExactly) {
 TEST_F(CppHeader, NanStaysNanAndFarPointsStayFinite) {
   for (const Activation activation :
        {Activation::tanh, Activation::elu, Activation::softplus, Activation::silu}) {
-    export_cpp_header(random_networks(2, activation, random_), random_policy_info(2),
-                      HeaderPrecision::float32, path("policy.h"));
+    write_policy(random_networks(2, activation, random_), "header", path("policy.h"));
     const Answers found = ask(Points{{NAN, 0.0}, {0.0, NAN}, {1e9, -1e9}, {-1e9, 1e3}}, kFast);
     for (int i : {0, 1}) {
       EXPECT_TRUE(found.velocity.row(i).array().isNaN().all()) << to_string(activation);
@@ -211,7 +210,7 @@ TEST_F(CppHeader, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
   above.weight = Points{{0.0, 1.0}};
   networks.B = {};
   networks.B.layers = {above};
-  export_cpp_header(networks, random_policy_info(2), HeaderPrecision::float32, path("policy.h"));
+  write_policy(networks, "header", path("policy.h"));
   // Workspace [-50, 60]^2.
   const Answers found =
       ask(Points{{10, -5}, {10, 5}, {10, -55}, {-55, -5}, {59, -5}, {61, -5}, {10, 0}, {60, -50}}, "-O2");
@@ -221,9 +220,8 @@ TEST_F(CppHeader, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
 
 TEST_F(CppHeader, CarriesWhatIsGuaranteedOfWhichWeights) {
   const Networks networks = random_networks(3, Activation::tanh, random_);
-  export_cpp_header(networks, random_policy_info(3), HeaderPrecision::float64, path("policy.h"));
-  export_cpp_header(networks, random_policy_info(3), HeaderPrecision::float32,
-                    path("9 lives-x.h"));  // both in one program
+  write_policy(networks, "header", path("policy.h"), HeaderPrecision::float64);
+  write_policy(networks, "header", path("9 lives-x.h"));  // both in one program
   std::ofstream(path("main.cpp")) << fmt::format(R"(
 #include "policy.h"
 #include "9 lives-x.h"
@@ -234,7 +232,7 @@ static_assert(std::string_view(p::name) == "Loop \"1\"\\" && std::string_view(p:
 static_assert(std::string_view(p::guarantee) == "conformal" && std::string_view(p::weight_hash) == "{}");
 static_assert(std::string_view(p::statement) == "Line one,\nline \"two\" ?" "?/ \\");
 static_assert(p::workspace[0] == -50.0 && p::workspace[2] == -50.0 && p::workspace[3] == 60.0 && p::workspace[5] == 60.0);
-static_assert(p::disturbance_margin == 0.25 * 25.0 && p::float32_error == 1e-5 * 25.0);
+static_assert(p::disturbance_margin == 6.25 && p::float32_error == 2.5e-4 && p::convergence_radius == 3.5);
 static_assert(std::string_view(p::precision) == "double");
 static_assert(std::string_view(policy_9_lives_x::precision) == "float");
 int main() {{}}
@@ -247,20 +245,17 @@ int main() {{}}
 
 TEST_F(CppHeader, RefusesWhatItCannotWrite) {
   Networks networks = random_networks(2, Activation::tanh, random_);
-  const auto refused = [&](const std::string& name, int n, const std::string& words) {
+  const auto refused = [&](const std::string& name, const std::string& words) {
     try {
-      export_cpp_header(networks, random_policy_info(n), HeaderPrecision::float32, path(name));
+      write_policy(networks, "header", path(name));
       ADD_FAILURE() << "expected an Error";
     } catch (const Error& e) {
       EXPECT_NE(std::string(e.what()).find(words), std::string::npos) << e.what();
     }
   };
-  refused("nowhere/policy.h", 2, "nowhere/policy.h: cannot write");
-  refused("policy.h", 3, "workspace of dimension 3");
+  refused("nowhere/policy.h", "nowhere/policy.h: cannot write");
   networks.f.layers[1].weight(0, 0) = 1e300;
-  refused("policy.h", 2, "--precision double");
-  networks.f.layers[1].weight(0, 0) = NAN;
-  refused("policy.h", 2, "not a finite number");
+  refused("policy.h", "--precision double");
   EXPECT_TRUE(fs::is_empty(folder_));
   EXPECT_THROW(header_precision_from("half"), Error);
 }

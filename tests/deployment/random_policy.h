@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cmath>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "s2nnds/core/random.h"
-#include "s2nnds/deployment/policy_info.h"
+#include "s2nnds/deployment/export_format.h"
 #include "s2nnds/networks/network_weights.h"
 
 namespace s2nnds {
@@ -28,20 +30,31 @@ inline NetworkWeights random_stack(const std::vector<int>& sizes, Activation act
   return stack;
 }
 
-// What a policy carries, none of it a default; the texts need quoting wherever they are written.
-inline PolicyInfo random_policy_info(int n) {
-  PolicyInfo info;
+// A policy of these networks, none of what it carries a default; the texts need quoting wherever they are
+// written.
+inline Policy random_policy(const Networks& networks) {
+  Policy policy;
+  policy.networks = networks;
+  PolicyInfo& info = policy.info;
   info.name = "Loop \"1\"\\";
-  info.position_scale = 40.0;
-  info.velocity_scale = 25.0;
   info.unit = "mm";
   info.guarantee = "conformal";
   info.statement = "Line one,\nline \"two\" ?\?/ \\";
-  info.workspace_lower = Vector::Constant(n, -1.25);
-  info.workspace_upper = Vector::Constant(n, 1.5);
-  info.disturbance_margin = 0.25;
-  info.float32_error = 1e-5;
-  return info;
+  info.weight_hash = weight_hash(networks);
+  info.dimension = networks.f.input_dimension();
+  info.position_scale = 40.0;
+  info.velocity_scale = 25.0;
+  info.workspace.assign(static_cast<std::size_t>(info.dimension), -50.0);
+  info.workspace.resize(2 * info.workspace.size(), 60.0);
+  info.disturbance_margin = 6.25;
+  info.convergence_radius = 3.5;
+  info.float32_error = 2.5e-4;
+  return policy;
+}
+
+inline void write_policy(const Networks& networks, std::string_view format, const std::string& path,
+                         HeaderPrecision precision = HeaderPrecision::float32) {
+  export_policy(random_policy(networks), export_format_from(format), {precision}, path);
 }
 
 }  // namespace s2nnds

@@ -231,7 +231,7 @@ class OutputTest(ProgramTest):
         run = self.trained()
         self.assert_refused(self.call("export", run, "--out", self.path("nowhere/run.pt")), "nowhere/run.pt")
         self.assert_refused(
-            self.call("export", run, "--format", "cpp", "--out", self.path("nowhere/run.h")), "nowhere/run.h"
+            self.call("export", run, "--format", "header", "--out", self.path("nowhere/run.h")), "nowhere/run.h"
         )
         self.assertEqual(os.listdir(self.folder), ["run.h5"])
 
@@ -239,7 +239,7 @@ class OutputTest(ProgramTest):
         os.mkdir(self.path("folder.h5"))
         self.assert_refused(self.call("train", SINE, *settings(), "--out", self.path("folder.h5")), "folder.h5")
         run = self.trained()
-        for kind in ("torchscript", "onnx", "cpp"):
+        for kind in ("header", "onnx", "torchscript"):
             refused = self.call("export", run, "--format", kind, "--out", self.path("folder.h5"))
             self.assert_refused(refused, "folder.h5")
 
@@ -293,7 +293,7 @@ class FullDiskTest(ProgramTest):
         out = self.path("run.out")
         with open(out, "wb") as file:
             file.write(KEPT)
-        for kind in ("torchscript", "onnx", "cpp"):
+        for kind in ("header", "onnx", "torchscript"):
             self.assert_refused(self.limited("export", run, "--format", kind, "--out", out), out, "cannot write")
         os.remove(run)
         self.assert_kept(out)
@@ -315,7 +315,7 @@ class CommandTest(ProgramTest):
     def test_unknown_method_and_format(self):
         self.assert_refused(self.call("verify", "run.h5", "--method", "guess"), "guess")
         self.assert_refused(self.call("export", "run.h5", "--format", "word"), "word")
-        self.assert_refused(self.call("export", "run.h5", "--format", "cpp", "--precision", "half"), "half")
+        self.assert_refused(self.call("export", "run.h5", "--format", "header", "--precision", "half"), "half")
 
     def test_nothing_to_train(self):
         self.assert_refused(self.call("train"), "--resume")

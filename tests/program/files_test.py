@@ -160,7 +160,7 @@ class ExportTest(ProgramTest):
 
 
 class HeaderTest(ProgramTest):
-    """export --format cpp: the header by itself, compiled with warnings as errors, against the run file's networks."""
+    """export --format header: the header by itself, compiled with warnings as errors, against the run file's networks."""
 
     DRIVER = """
 #include "{header}"
@@ -200,9 +200,9 @@ int main() {{
         np.testing.assert_array_equal(found[:, n + 2] == 1, B <= 0)
 
     def export(self, run, out, *words):
-        code, text, err = self.call("export", run, "--format", "cpp", "--out", self.path(out), *words)
+        code, text, err = self.call("export", run, "--format", "header", "--out", self.path(out), *words)
         self.assertEqual((code, err), (0, ""), text)
-        self.assertIn("C++ policy", text)
+        self.assertIn("C++ header", text)
 
     def test_same_values_as_the_run_file(self):
         for name, changes in (
@@ -218,7 +218,7 @@ int main() {{
                 self.assert_same_values(f"{name}_double.h", Run(path), 1e-12)
 
     def test_it_lies_beside_the_run_by_default(self):
-        code, _, err = self.call("export", self.trained(), "--format", "cpp")
+        code, _, err = self.call("export", self.trained())
         self.assertEqual((code, err), (0, ""))
         self.assertEqual(sorted(os.listdir(self.folder)), ["run.h", "run.h5"])
 

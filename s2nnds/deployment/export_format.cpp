@@ -1,0 +1,43 @@
+#include "s2nnds/deployment/export_format.h"
+
+#include <fmt/ranges.h>
+
+#include "s2nnds/core/atomic_file.h"
+#include "s2nnds/core/check.h"
+#include "s2nnds/deployment/onnx.h"
+#include "s2nnds/deployment/torchscript.h"
+
+namespace s2nnds {
+
+const std::vector<ExportFormat>& export_formats() {
+  static const std::vector<ExportFormat> formats = {
+      {"header", ".h", "C++ header", "a C++17 compiler",
+       [](const Policy& policy, const ExportOptions& options, const std::string& path) {
+         return cpp_header(policy, options.precision, policy_namespace(path));
+       }},
+      {"onnx", ".onnx", "ONNX model", "an ONNX runtime",
+       [](const Policy& policy, const ExportOptions&, const std::string&) { return onnx_model(policy); }},
+      {"torchscript", ".pt", "TorchScript module", "PyTorch or LibTorch",
+       [](const Policy& policy, const ExportOptions&, const std::string&) {
+         return torchscript_module(policy);
+       }},
+  };
+  return formats;
+}
+
+const ExportFormat& export_format_from(std::string_view name) {
+  std::vector<std::string_view> names;
+  for (const ExportFormat& format : export_formats()) {
+    if (format.name == name) return format;
+    names.push_back(format.name);
+  }
+  fail("format: found \"{}\", expected one of {}", name, fmt::join(names, ", "));
+}
+
+void export_policy(const Policy& policy, const ExportFormat& format, const ExportOptions& options,
+                   const std::string& path) {
+  check_policy(policy);
+  write_atomic_file(path, format.contents(policy, options, path), "the policy");
+}
+
+}  // namespace s2nnds

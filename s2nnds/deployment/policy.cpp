@@ -1,0 +1,79 @@
+#include "s2nnds/deployment/policy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/verification/float32_error.h"
+
+namespace s2nnds {
+
+Policy policy_of(const RunRecord& record) {
+  const Certificate& certificate = record.certificate;
+  const Frame& frame = record.data.frame;
+  const Box& workspace = record.problem.workspace;
+  Policy policy;
+  policy.networks = record.networks;
+  PolicyInfo& info = policy.info;
+  info.name = record.name;
+  info.unit = frame.unit;
+  info.guarantee = to_string(certificate.guarantee);
+  info.statement = certificate.statement;
+  info.weight_hash = certificate.weight_hash.empty() ? weight_hash(record.networks) : certificate.weight_hash;
+  info.dimension = record.data.dimension;
+  info.position_scale = frame.position_scale;
+  info.velocity_scale = frame.velocity_scale;
+  for (const Vector* corner : {&workspace.lower, &workspace.upper}) {
+    for (const double side : *corner) info.workspace.push_back(frame.position_scale * side);
+  }
+  info.disturbance_margin = frame.velocity_scale * certificate.disturbance_margin;
+  info.convergence_radius = frame.position_scale * certificate.convergence_radius;
+  const double error = certificate.float32_error > 0.0 ? certificate.float32_error
+                                                       : float32_error(record.networks.f, workspace);
+  info.float32_error = frame.velocity_scale * error;
+  return policy;
+}
+
+void check_policy(const Policy& policy) {
+  const auto& [f, V, B] = policy.networks;
+  for (const NetworkWeights* network : {&f, &V, &B}) network->check();
+  const PolicyInfo& info = policy.info;
+  const Eigen::Index n = info.dimension;
+  check(n > 0 && f.input_dimension() == n && f.output_dimension() == n && V.input_dimension() == n &&
+            B.input_dimension() == n && V.output_dimension() == 1 && B.output_dimension() == 1 &&
+            f.head != Head::squared_norm,
+        "policy: found f {} -> {}, V {} -> {}, B {} -> {}, expected {} -> {}, {} -> 1, {} -> 1",
+        f.input_dimension(), f.output_dimension(), V.input_dimension(), V.output_dimension(),
+        B.input_dimension(), B.output_dimension(), n, n, n, n);
+  check(std::ssize(info.workspace) == 2 * n, "policy: found a workspace of {} numbers, expected {}",
+        info.workspace.size(), 2 * n);
+  check(std::all_of(info.workspace.begin(), info.workspace.end(), [](double x) { return std::isfinite(x); }),
+        "policy: found a workspace that is not finite");
+  check(info.position_scale > 0.0 && info.velocity_scale > 0.0 && std::isfinite(info.position_scale) &&
+            std::isfinite(info.velocity_scale),
+        "policy: found the scales {} and {}, expected finite and positive ones", info.position_scale,
+        info.velocity_scale);
+  const std::string found = weight_hash(policy.networks);
+  check(found == info.weight_hash, "policy: found weights {:.16}..., but the certificate speaks of {:.16}...",
+        found, info.weight_hash);
+}
+
+void check_fits_float(const NetworkWeights& network) {
+  const auto check_weight = [](double weight) {
+    check(std::isfinite(static_cast<float>(weight)),
+          "policy: the weight {} is beyond float's range, use --format header --precision double", weight);
+  };
+  for (const Layer& layer : network.layers) {
+    for (const double weight : layer.weight.reshaped()) check_weight(weight);
+    for (const double weight : layer.bias) check_weight(weight);
+  }
+  check_weight(network.quadratic);
+}
+
+Points layers_at_origin(const NetworkWeights& network) {
+  NetworkWeights layers = network;
+  layers.head = Head::plain;
+  return layers.value(Points::Zero(1, network.input_dimension()));
+}
+
+}  // namespace s2nnds

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "s2nnds/networks/network_weights.h"
+#include "s2nnds/runs/run_record.h"
+
+namespace s2nnds {
+
+// What an exported policy carries besides its networks. Positions, velocities and margins are in the data's
+// unit (of length, and per second), goal-centred. The networks compute in normalised coordinates z = x /
+// position_scale, and their velocity f(z) * velocity_scale is the data's: this is the only place that says
+// so.
+struct PolicyInfo {
+  std::string name;
+  std::string unit;
+  std::string guarantee;
+  std::string statement;
+  std::string weight_hash;
+  std::int64_t dimension = 0;  // n
+  double position_scale = 1.0;
+  double velocity_scale = 1.0;
+  std::vector<double> workspace;  // [2 n]
+  double disturbance_margin = 0.0;
+  double convergence_radius = 0.0;
+  double float32_error = 0.0;
+
+  // Calls visit(name, value, meaning) for every field, so that no exporter lists them again; a value is a
+  // std::string, std::int64_t, double or std::vector<double>.
+  template <typename Visit>
+  void visit(Visit&& visit) const {
+    visit("name", name, "of the configuration");
+    visit("unit", unit, "of length");
+    visit("guarantee", guarantee, "none, sampled, conformal, proved or invariant");
+    visit("statement", statement, "what holds, in words");
+    visit("weight_hash", weight_hash, "SHA-256 of the networks that the guarantee speaks of");
+    visit("dimension", dimension, "of positions and velocities");
+    visit("position_scale", position_scale, "position / position_scale = normalised");
+    visit("velocity_scale", velocity_scale, "normalised * velocity_scale = velocity");
+    visit("workspace", workspace, "lower corner, upper corner");
+    visit("disturbance_margin", disturbance_margin,
+          "certified for x' = velocity(x) + w, |w| <= this; 0: none");
+    visit("convergence_radius", convergence_radius, "such motions reach this distance from the goal");
+    visit("float32_error", float32_error, "bound on |error| of the velocity in float, in the workspace");
+  }
+};
+
+struct Policy {
+  Networks networks;
+  PolicyInfo info;
+};
+
+// The policy of a stored run. A float32_error that the certificate does not state is computed.
+Policy policy_of(const RunRecord& record);
+
+// Throws Error unless the networks map n -> n, n -> 1 and n -> 1, weights are finite, workspace and scales
+// fit them, and the weights are those that the certificate speaks of: what was certified is what ships.
+void check_policy(const Policy& policy);
+
+// Throws Error unless every weight is within float's range.
+void check_fits_float(const NetworkWeights& network);
+
+// N(0) of the layers alone, [1, m]: what the heads zero_at_origin and squared_norm subtract.
+Points layers_at_origin(const NetworkWeights& network);
+
+}  // namespace s2nnds
