@@ -23,8 +23,8 @@ double DisturbanceFalsifier::error_of(const Networks& networks, const Box& works
 
 Counterexamples DisturbanceFalsifier::find(const Networks& networks, const SafetyProblem& problem, double,
                                            std::uint64_t seed, std::int64_t round) {
-  const BranchResult result = prove_under_disturbance(
-      ProofFunctions::of(networks), problem, kRoom * error_of(networks, problem.workspace), keep_);
+  const BranchResult result = prove_under_disturbance(ProofFunctions::of(networks), problem,
+                                                      kRoom * error_of(networks, problem.workspace), keep_);
   RandomStream random(seed, "float32 source", round);
   Counterexamples found;
   const auto q = static_cast<std::size_t>(Condition::barrier_decrease);

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <limits>
 #include <optional>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/stopwatch.h"
 #include "s2nnds/verification/rounding.h"
 
 namespace s2nnds {
@@ -90,6 +90,11 @@ struct LevelSetCover {
   };
   std::vector<Member> members;
   double weakest = -infinity;  // largest -(allowed disturbance) at the members' centres
+
+  void add(const LevelSetCover& part) {
+    members.insert(members.end(), part.members.begin(), part.members.end());
+    weakest = std::max(weakest, part.weakest);
+  }
 };
 
 // Bdot + delta |grad B| < 0 wherever B = 0. Boxes that are proved join the examiner's own part of the cover.
@@ -222,8 +227,7 @@ class Search {
     LevelSetCover parts;
     if (!refine(std::move(lower), std::move(upper), disturbance, parts).proved) return false;
     cover.members = std::move(kept);
-    cover.members.insert(cover.members.end(), parts.members.begin(), parts.members.end());
-    cover.weakest = std::max(cover.weakest, parts.weakest);
+    cover.add(parts);
     return true;
   }
 
@@ -256,9 +260,7 @@ class Search {
   }
 
   std::int64_t boxes() const { return boxes_; }
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  double seconds() const { return watch_.seconds(); }
   bool out_of_time() const { return seconds() > most_seconds; }
 
  private:
@@ -270,10 +272,7 @@ class Search {
     BranchResult result = run(std::move(lower), std::move(upper), [&] {
       return std::make_unique<BarrierExaminer>(functions_, resolution, disturbance, parts.emplace_back());
     });
-    for (LevelSetCover& part : parts) {
-      cover.members.insert(cover.members.end(), part.members.begin(), part.members.end());
-      cover.weakest = std::max(cover.weakest, part.weakest);
-    }
+    for (const LevelSetCover& part : parts) cover.add(part);
     return result;
   }
 
@@ -295,7 +294,7 @@ class Search {
   const SafetyProblem& problem_;
   BranchLimits limits_;
   std::int64_t boxes_ = 0;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch watch_;
 };
 
 }  // namespace

@@ -267,12 +267,7 @@ void NetworkFunction::add_value(const BoxTile& tile, Workspace& workspace, TileF
   forward(tile, nullptr, memory);
   subtract_offset(memory);
   if (stack_.head == Head::squared_norm) return add_norm(tile, memory, q);
-  q.value += memory.a[0];
-  q.magnitude += memory.a[0].abs();
-  for (Eigen::Index d = 0; d < input_dimension(); ++d) {
-    q.gradient[d] += memory.a[1 + d];
-    q.magnitude += memory.a[1 + d].abs() * tile.half[d];
-  }
+  q.add_line(memory.a[0], &memory.a[1], tile);
   q.remainder += memory.offset_error[0];
   memory.adjoint_a[0].setOnes();
   backward(tile, memory, nullptr, q);
@@ -309,19 +304,13 @@ void NetworkFunction::add_norm(const BoxTile& tile, Memory& memory, TileForm& q)
 
 void NetworkFunction::add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                                      std::vector<TileRow>& adjoint, TileForm& q) const {
-  const Eigen::Index n = input_dimension();
   Memory& memory = static_cast<Memory&>(workspace);
   for (TileRow& row : adjoint) row.setZero();
   forward(tile, &direction, memory);
   subtract_offset(memory);
   if (stack_.head == Head::squared_norm) return add_norm_rate(tile, direction, memory, adjoint, q);
   const TileRow* rate = &memory.a[columns()];
-  q.value += rate[0];
-  q.magnitude += rate[0].abs();
-  for (Eigen::Index d = 0; d < n; ++d) {
-    q.gradient[d] += rate[1 + d];
-    q.magnitude += rate[1 + d].abs() * tile.half[d];
-  }
+  q.add_line(rate[0], rate + 1, tile);
   memory.adjoint_a[0].setZero();
   memory.adjoint_a[1].setOnes();
   backward(tile, memory, &adjoint, q);

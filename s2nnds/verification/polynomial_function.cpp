@@ -141,14 +141,7 @@ void PolynomialFunction::add_deviations(const BoxTile& tile, Workspace& workspac
   Memory& memory = static_cast<Memory&>(workspace);
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const TileForm& form = memory.outputs[i];
-    for (Eigen::Index d = 0; d < dimension_; ++d) {
-      for (Eigen::Index e = d; e < dimension_; ++e) {
-        const Eigen::Index at = triangle_row(d, e, dimension_);
-        const TileRow term = adjoint[i] * form.hessian[at];
-        q.hessian[at] += term;
-        q.magnitude += term.abs() * tile.half[d] * tile.half[e];
-      }
-    }
+    q.add_curvature(adjoint[i], form.hessian, tile);
     q.remainder += adjoint[i].abs() * form.remainder * polynomial_slack;
   }
   q.operations += 4.0 * static_cast<double>(outputs_.size());
@@ -158,20 +151,9 @@ void PolynomialFunction::add_value(const BoxTile& tile, Workspace& workspace, Ti
   Memory& memory = static_cast<Memory&>(workspace);
   TileForm& form = memory.gradient;
   expand(outputs_.front(), tile, memory, form);
-  q.value += form.value;
   q.remainder += form.remainder;
-  q.magnitude += form.value.abs();
-  for (std::size_t d = 0; d < q.gradient.size(); ++d) {
-    q.gradient[d] += form.gradient[d];
-    q.magnitude += form.gradient[d].abs() * tile.half[d];
-  }
-  for (Eigen::Index d = 0; d < dimension_; ++d) {
-    for (Eigen::Index e = d; e < dimension_; ++e) {
-      const Eigen::Index at = triangle_row(d, e, dimension_);
-      q.hessian[at] += form.hessian[at];
-      q.magnitude += form.hessian[at].abs() * tile.half[d] * tile.half[e];
-    }
-  }
+  q.add_line(form.value, form.gradient.data(), tile);
+  q.add_curvature(TileRow::Ones(), form.hessian, tile);
 }
 
 // sum_i g_i d_i with g_i = dy/dx_i to second order and d_i = model_i + deviation_i; g_i(c) deviation_i is

@@ -70,6 +70,26 @@ void TileForm::clear() {
   operations = 16;
 }
 
+void TileForm::add_line(const TileRow& line_value, const TileRow* slope, const BoxTile& tile) {
+  value += line_value;
+  magnitude += line_value.abs();
+  for (std::size_t d = 0; d < gradient.size(); ++d) {
+    gradient[d] += slope[d];
+    magnitude += slope[d].abs() * tile.half[d];
+  }
+}
+
+void TileForm::add_curvature(const TileRow& weight, const std::vector<TileRow>& rows, const BoxTile& tile) {
+  std::size_t at = 0;
+  for (std::size_t d = 0; d < gradient.size(); ++d) {
+    for (std::size_t e = d; e < gradient.size(); ++e, ++at) {
+      const TileRow term = weight * rows[at];
+      hessian[at] += term;
+      magnitude += term.abs() * tile.half[d] * tile.half[e];
+    }
+  }
+}
+
 TileRow TileForm::upper(const BoxTile& tile) const { return bound(tile, 1.0); }
 TileRow TileForm::lower(const BoxTile& tile) const { return -bound(tile, -1.0); }
 

@@ -72,6 +72,10 @@ TileRow quadratic_size(const TileRow* hessian, const BoxTile& tile);
 struct TileForm {
   explicit TileForm(Eigen::Index dimension) : gradient(dimension), hessian(triangle(dimension)) {}
   void clear();
+  // Adds value + slope . dx, slope [n].
+  void add_line(const TileRow& line_value, const TileRow* slope, const BoxTile& tile);
+  // Adds weight dx' H dx / 2, H given by the rows of its upper triangle.
+  void add_curvature(const TileRow& weight, const std::vector<TileRow>& rows, const BoxTile& tile);
 
   // Above (below) every value of q on each box; NaN where nothing is known.
   TileRow upper(const BoxTile& tile) const;
