@@ -25,8 +25,8 @@ static_assert(sizeof(hid_t) == sizeof(std::int64_t));
 class Quiet {
  public:
   Quiet() {
-    // When a process ends that could not close a damaged file, HDF5 would complain of it on the standard error.
-    // Nothing is lost without that clean-up: files are written by commit().
+    // When a process ends that could not close a damaged file, HDF5 would complain of it on the standard
+    // error. Nothing is lost without that clean-up: files are written by commit().
     static const herr_t without_clean_up = H5dont_atexit();
     static_cast<void>(without_clean_up);
     H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
@@ -122,6 +122,22 @@ bool link_exists(hid_t file, const std::string& item) {
   return std::all_of(paths.begin(), paths.end(), [file](const std::string& path) {
     return H5Lexists(file, path.c_str(), H5P_DEFAULT) > 0;
   });
+}
+
+// `list(index, take, &names)` calls `take` for every name. Other programs may have written the file
+// without keeping the order.
+template <typename Info, typename List>
+std::vector<std::string> names_of(const std::string& where, const List& list) {
+  std::vector<std::string> names;
+  const auto take = [](hid_t, const char* name, const Info*, void* out) -> herr_t {
+    static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+    return 0;
+  };
+  for (const H5_index_t index : {H5_INDEX_CRT_ORDER, H5_INDEX_NAME}) {
+    names.clear();
+    if (list(index, take, &names) >= 0) return names;
+  }
+  fail("{}: cannot list it: {}", where, reason());
 }
 
 std::string shape_text(const std::vector<hsize_t>& shape) {
@@ -407,22 +423,6 @@ bool Hdf5Reader::has_attribute(const std::string& item, const std::string& name)
   const Quiet quiet;
   return link_exists(file_, item) &&
          H5Aexists_by_name(file_, absolute(item).c_str(), name.c_str(), H5P_DEFAULT) > 0;
-}
-
-// `list(index, order, take, &names)` calls `take` for every name. Other programs may have written the file
-// without keeping the order.
-template <typename Info, typename List>
-std::vector<std::string> names_of(const std::string& where, const List& list) {
-  std::vector<std::string> names;
-  const auto take = [](hid_t, const char* name, const Info*, void* out) -> herr_t {
-    static_cast<std::vector<std::string>*>(out)->emplace_back(name);
-    return 0;
-  };
-  for (const H5_index_t index : {H5_INDEX_CRT_ORDER, H5_INDEX_NAME}) {
-    names.clear();
-    if (list(index, take, &names) >= 0) return names;
-  }
-  fail("{}: cannot list it: {}", where, reason());
 }
 
 std::vector<std::string> Hdf5Reader::children(const std::string& group) const {
