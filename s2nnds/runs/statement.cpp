@@ -9,7 +9,7 @@ namespace {
 
 std::string number(double value) { return fmt::format("{:.4g}", value); }
 
-// "0.02 (1 mm/s)"; without a unit, the normalised number alone. `per` is "" or "/s".
+// "1 mm/s (0.02 normalised)"; without a unit, the normalised number alone. `per` is "" or "/s".
 std::string quantity(double normalised, double scale, const RunData& data, const char* per) {
   if (data.frame.unit.empty()) return number(normalised) + " (normalised)";
   return fmt::format("{} {}{} ({} normalised)", number(normalised * scale), data.frame.unit, per,

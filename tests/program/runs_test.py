@@ -306,17 +306,20 @@ class VerifyTest(ProgramTest):
 
 
 class EvaluateTest(ProgramTest):
+    @staticmethod
+    def square_error(file, k):
+        """The mean of |f(x) - xdot|^2 of f(x) = -x on a stored demonstration, in normalised units."""
+        data, d = file["data"], file[f"data/demonstrations/{k}"]
+        x = (d["position"][()] - data["goals"][k]) / data.attrs["position_scale"]
+        return np.mean(np.sum((-x - d["velocity"][()] / data.attrs["velocity_scale"]) ** 2, axis=1))
+
     def test_evaluate_measures_the_stored_networks(self):
         run = self.certified()
         code, out, err = self.call("evaluate", run, "--json")
         self.assertEqual((code, err), (3, ""))  # not verified yet
         report = json.loads(out.splitlines()[-1])
-        with h5py.File(run) as file:  # of f(x) = -x
-            train = file["data/train"][()]
-            squares = [
-                np.mean(np.sum((-d["position"][()] - d["velocity"][()]) ** 2, axis=1))
-                for d in (file[f"data/demonstrations/{k}"] for k in train)
-            ]
+        with h5py.File(run) as file:
+            squares = [self.square_error(file, k) for k in file["data/train"][()]]
         self.assertAlmostEqual(report["mse_train"], np.mean(squares), places=9)
         self.assertGreater(report["safe_area"], 0.0)
         self.assertLessEqual(report["safe_area"], report["true_safe_area"])
@@ -330,9 +333,7 @@ class EvaluateTest(ProgramTest):
             wanted = [("test", k) for k in file["data/test"][()]] + [("train", k) for k in file["data/train"][()]]
             self.assertEqual([(row["split"], row["demonstration"]) for row in rows], wanted)
             for row in rows:
-                d = file[f"data/demonstrations/{row['demonstration']}"]
-                square = np.mean(np.sum((-d["position"][()] - d["velocity"][()]) ** 2, axis=1))
-                self.assertAlmostEqual(row["mse"], square, places=9)
+                self.assertAlmostEqual(row["mse"], self.square_error(file, row["demonstration"]), places=9)
         self.assert_refused(self.call("evaluate", run, "--splits", "tests"), "tests")
 
 
