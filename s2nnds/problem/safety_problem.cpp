@@ -91,9 +91,9 @@ void check_unsafe(const SafetyProblem& problem, const std::string& type) {
         problem.unsafe->describe());
 }
 
-void check_initial(const SafetyProblem& problem) {
+void check_initial(const SafetyProblem& problem, double containment) {
   const double half_width = problem.workspace.upper[0];
-  const double reach = problem.workspace_margin ? problem.containment * half_width : half_width;
+  const double reach = containment > 0.0 ? containment * half_width : half_width;
   // Beyond twice the workspace nobody looks.
   const Box around = Box::cube(problem.dimension(), 2.0 * half_width);
   check_defined(problem.initial, around, "problem.initial");
@@ -101,7 +101,7 @@ void check_initial(const SafetyProblem& problem) {
   const auto stray = common_point(problem.initial, beyond, around);
   check(!stray, "problem.initial: {} reaches {}, outside of the {}: expected coordinates below {:.6g}",
         problem.initial->describe(), stray ? text(*stray) : "",
-        problem.workspace_margin ? "contained workspace" : "workspace", reach);
+        containment > 0.0 ? "contained workspace" : "workspace", reach);
   check(!RegionSampler(problem.initial, problem.workspace).empty(),
         "problem.initial: {} is empty or has no volume in the workspace (problem.padding grows it)",
         problem.initial->describe());
@@ -114,8 +114,7 @@ void check_initial(const SafetyProblem& problem) {
 
 void ProblemOptions::visit(FieldVisitor& v) {
   v.field("workspace", workspace, above(0.0));
-  v.field("contain", contain);
-  v.field("containment", containment, inside(0.0, 1.0));
+  v.field("containment", containment, {.low = 0.0, .high = 1.0, .open_high = true});
   v.field("padding", padding, at_least(0.0));
   v.group("initial", initial);
   v.group("unsafe", unsafe);
@@ -128,16 +127,15 @@ SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demo
   const Eigen::Index dimension = demonstrations.front().dimension();
   SafetyProblem problem;
   problem.workspace = Box::cube(dimension, options.workspace);
-  problem.containment = options.containment;
   check_demonstrations_inside(problem.workspace, demonstrations);
   problem.unsafe = make_region(options.unsafe, dimension, data_dir, "problem.unsafe");
   check_unsafe(problem, options.unsafe.type);
-  if (options.contain) {
+  if (options.containment > 0.0) {
     problem.workspace_margin =
         complement(box_region(Box::cube(dimension, options.containment * options.workspace)));
   }
   problem.initial = make_initial(options, first_points(demonstrations), data_dir);
-  check_initial(problem);
+  check_initial(problem, options.containment);
   return problem;
 }
 

@@ -13,19 +13,17 @@ struct SafetyProblem {
   Box workspace;      // X
   RegionPtr initial;  // X0
   RegionPtr unsafe;   // Xu, the obstacle
-  // {x : |x|_inf >= containment * workspace}, closed: entering it counts as leaving the workspace. Null if
-  // the safe set need not be contained.
+  // {x : |x|_inf >= containment * workspace}, closed: entering it counts as leaving the workspace. Null if the
+  // safe set need not be contained.
   RegionPtr workspace_margin;
-  double containment = 0.985;  // the safe set must lie in containment * X
 
   Eigen::Index dimension() const { return workspace.dimension(); }
 };
 
 struct ProblemOptions {
-  double workspace = 1.25;  // X = [-workspace, workspace]^n
-  bool contain = true;      // require {B <= 0} inside containment * X
-  double containment = 0.985;
-  double padding = 0.02;  // X0 of type "auto": grows it on every side
+  double workspace = 1.25;     // X = [-workspace, workspace]^n
+  double containment = 0.985;  // the safe set must lie in containment * X; 0: anywhere
+  double padding = 0.02;       // X0 of type "auto": grows it on every side
   // "auto": the box around the demonstrations' first points, grown by `padding`, clipped to [-1, 1]^n;
   // "ball_auto": the ball of `radius` around their mean; or any region.
   RegionOptions initial = {.type = "auto"};
@@ -39,7 +37,7 @@ struct ProblemOptions {
 //   in twice the workspace),
 // - a demonstration leaves the workspace,
 // - the obstacle covers the goal, or is not "none" but has no points in the workspace,
-// - X0 has no volume, or a point of it was found that is outside of (containment *) X or in the obstacle.
+// - X0 has no volume, or a point of it was found that is outside of containment * X or in the obstacle.
 // The last three search with pavings and samples: an error names a point, but its absence proves nothing.
 // Demonstrations may pass through the obstacle. `demonstrations` are normalised.
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,

@@ -6,19 +6,6 @@
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {
-namespace {
-
-// Reads nothing but the profile, whose defaults the other keys start from.
-struct ProfileOnly {
-  std::string profile = "robust";
-  void visit(FieldVisitor& v) {
-    Config rest;
-    rest.visit(v);
-    profile = rest.profile;
-  }
-};
-
-}  // namespace
 
 void VerificationOptions::visit(FieldVisitor& v) {
   visit_enum(v, "method", method);
@@ -35,7 +22,13 @@ void EvaluationOptions::visit(FieldVisitor& v) {
 
 void Config::visit(FieldVisitor& v) {
   v.field("name", name);
+  const std::string before = profile;
   v.field("profile", profile, {"robust", "paper", "imitation"});
+  if (profile != before) {  // one was read: the other keys start from its defaults
+    const std::string same = name;
+    *this = default_config(profile);
+    name = same;
+  }
   v.field("seed", seed, at_least(0));
   v.group("data", data);
   v.group("problem", problem);
@@ -56,7 +49,7 @@ Config default_config(const std::string& profile) {
   }
   check(profile == "paper", "profile: found \"{}\", expected robust, paper or imitation", profile);
   config.problem.workspace = 1.0;
-  config.problem.contain = false;
+  config.problem.containment = 0.0;
   config.networks = paper_networks();
   config.training = paper_training();
   config.verification.method = Method::conformal;
@@ -65,9 +58,7 @@ Config default_config(const std::string& profile) {
 
 Config parse_config(const std::string& text, const std::string& source,
                     const std::vector<std::string>& settings) {
-  ProfileOnly chosen;
-  read_toml(text, source, chosen, settings);
-  Config config = default_config(chosen.profile);
+  Config config;
   read_toml(text, source, config, settings);
   return config;
 }

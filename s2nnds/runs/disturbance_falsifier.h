@@ -12,8 +12,7 @@ namespace s2nnds {
 // added behind the ProofSource, whose conditions it presumes.
 class DisturbanceFalsifier : public CounterexampleSource {
  public:
-  explicit DisturbanceFalsifier(std::int64_t keep) : keep_(keep) {}
-  std::string name() const override { return "float32"; }
+  explicit DisturbanceFalsifier(std::int64_t keep = counterexamples_kept) : keep_(keep) {}
   bool only_when_clean() const override { return true; }
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;

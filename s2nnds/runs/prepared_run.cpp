@@ -40,8 +40,8 @@ RunRecord new_record(const PreparedRun& setup, const std::string& text) {
   record.config = {text, to_toml(setup.config), flatten(setup.config)};
   record.data = setup.data;
   record.problem = {setup.problem.unsafe->describe(), setup.problem.initial->describe(),
-                    setup.problem.workspace_margin ? setup.problem.containment : 0.0,
-                    setup.config.training.level_band, setup.problem.workspace};
+                    setup.config.problem.containment, setup.config.training.level_band,
+                    setup.problem.workspace};
   return record;
 }
 

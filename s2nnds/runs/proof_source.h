@@ -12,8 +12,8 @@ namespace s2nnds {
 // decreases is asked only once all else is proved, and not again while f and V stay as they were.
 class ProofSource : public CounterexampleSource {
  public:
-  ProofSource(const ProofOptions& options, std::int64_t keep) : options_(options), keep_(keep) {}
-  std::string name() const override { return "proof"; }
+  explicit ProofSource(const ProofOptions& options, std::int64_t keep = counterexamples_kept)
+      : options_(options), keep_(keep) {}
   bool only_when_clean() const override { return true; }
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;

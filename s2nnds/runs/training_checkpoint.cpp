@@ -33,7 +33,7 @@ std::vector<Column> columns() {
          [q](const RoundSummary& row) { return static_cast<double>(row.counts[q]); },
          [q](RoundSummary& row, double value) { row.counts[q] = static_cast<std::int64_t>(value); }});
   }
-  all.push_back(column("first_found", &RoundSummary::first_found));
+  all.push_back(column("found_by_sampling", &RoundSummary::found_by_sampling));
   all.push_back(column("pool", &RoundSummary::pool));
   all.push_back(column("safe_share", &RoundSummary::safe_share));
   all.push_back(column("stage", &RoundSummary::stage));

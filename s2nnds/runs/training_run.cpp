@@ -12,15 +12,15 @@ namespace s2nnds {
 TrainerSummary train(const PreparedRun& setup, RunRecord& record, const TrainingHooks& hooks) {
   const Config& config = setup.config;
   Trainer trainer(setup.problem, setup.train(), config.networks, config.training, config.seed);
-  const FalsifierOptions search{config.training.samples, config.training.pool_additions};
+  const FalsifierOptions search{config.training.samples};
   trainer.add_source(std::make_shared<RandomFalsifier>(setup.problem, search));
   trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
   if (config.verification.method == Method::proof) {
     ProofOptions quick = ProofOptions::fail_fast();
     if (setup.problem.dimension() > 2)
       quick.max_boxes = quick.max_after_refuted = config.verification.proof.max_boxes;
-    trainer.add_source(std::make_shared<ProofSource>(quick, config.training.pool_additions));
-    trainer.add_source(std::make_shared<DisturbanceFalsifier>(config.training.pool_additions));
+    trainer.add_source(std::make_shared<ProofSource>(quick));
+    trainer.add_source(std::make_shared<DisturbanceFalsifier>());
   }
   trainer.set_rollout_labels([&](const NetworkWeights& f, const Points& starts) {
     return rollout_is_safe(f, setup.problem, starts);

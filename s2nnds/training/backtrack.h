@@ -15,8 +15,8 @@ struct Backtracked {
 
 struct BacktrackOptions {
   std::int64_t motions = 64;  // followed back, at most
-  double level_band = 1e-3;   // |B| at their ends, at most
-  double gain = 0.5;          // towards the nearest demonstration sample, 1 / normalised time
+  double level_band = 0.01;   // eps_B: |B| at their ends, at most
+  double gain = 0.5;  // towards the nearest demonstration sample, 1 / normalised time: gentle, as f is
 };
 
 // The motions of xdot = f(x) that come to `ends` [N, n], one a row, followed back until they leave the box,
@@ -25,10 +25,11 @@ struct BacktrackOptions {
 std::vector<Points> motions_to(const NetworkWeights& f, const Points& ends, const Box& within,
                                double spacing);
 
-// Of `counterexamples` [N, n] the last ones at which Bdot >= 0 and |B| < level_band are taken, and the motions that
-// come to them. One that passes X0 must be led elsewhere: f is to have the velocity of the nearest
-// demonstration sample (`position`, `velocity` [K, n]) plus gain times the way to it. The motions of the
-// others end in {B > 0}, so B must be positive all along them, up to the edge of the workspace.
+// Of `counterexamples` [N, n] the last ones at which Bdot >= 0 and |B| < level_band are taken, and the
+// motions that come to them. One that passes X0 must be led elsewhere: f is to have the velocity of the
+// nearest demonstration sample (`position`, `velocity` [K, n]) plus gain times the way to it. The motions of
+// the others end in {B > 0}, so B must be positive all along them, up to the edge of the workspace. The
+// losses at the counterexamples themselves could make do with an f that is nearly still there.
 Backtracked backtrack(const Networks& networks, const SafetyProblem& problem, const Points& counterexamples,
                       const Points& position, const Points& velocity, const BacktrackOptions& options);
 

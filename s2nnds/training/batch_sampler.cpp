@@ -12,7 +12,8 @@ namespace {
 // around a counterexample.
 constexpr double kNearestToGoal = 1e-3;
 constexpr double kJitter = 0.005;
-constexpr std::int64_t kBoundary = 4096;  // points of the obstacle's boundary to draw from
+constexpr std::int64_t kBoundary = 4096;   // points of the obstacle's boundary to draw from
+constexpr Eigen::Index kCapacity = 20000;  // of a pool, whose oldest points leave: most have long been cured
 
 // Whether the box surely or possibly meets the region; bisects a little, since enclosures of large boxes are
 // wide.
@@ -69,27 +70,25 @@ Vector displacement(const Vector& velocity, double deviation, RandomStream& rand
   return d;
 }
 
-void append(Points& pool, const Points& more, std::int64_t additions, std::int64_t capacity) {
-  const Eigen::Index added = std::min<Eigen::Index>(more.rows(), additions);
-  if (added == 0) return;
-  Points all(pool.rows() + added, more.cols());
-  all << pool, more.topRows(added);
-  const Eigen::Index kept = std::min<Eigen::Index>(all.rows(), capacity);
-  pool = all.bottomRows(kept).eval();
+void append(Points& pool, const Points& more) {
+  if (more.rows() == 0) return;
+  Points all(pool.rows() + more.rows(), more.cols());
+  all << pool, more;
+  pool = all.bottomRows(std::min(all.rows(), kCapacity)).eval();
 }
 
 }  // namespace
 
 BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
-                           const BatchOptions& options, double obstacle_margin)
+                           const TrainerOptions& options)
     : problem_(problem),
-      options_(options),
+      options_(options.batch),
       initial_(sampler_of(problem.initial, problem.workspace)),
       unsafe_(sampler_of(problem.unsafe, problem.workspace)),
       workspace_margin_(sampler_of(problem.workspace_margin, problem.workspace)) {
-  check(options.share_counterexamples + options.share_band + options.share_goal <= 1.0,
-        "training.batch: the shares add up to {}, expected at most 1",
-        options.share_counterexamples + options.share_band + options.share_goal);
+  const double shares = options_.share_counterexamples + options_.share_band + options_.share_goal,
+               margin = options.obstacle_margin;
+  check(shares <= 1.0, "training.batch: the shares add up to {}, expected at most 1", shares);
   const Points position = stack_positions(demonstrations), velocity = stack_velocities(demonstrations);
   std::vector<Eigen::Index> kept;
   Eigen::Index i = 0;
@@ -97,24 +96,22 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
     // A demonstration through the obstacle must be bent away from it, which takes room; but deep inside,
     // where no safe motion comes, f may follow it.
     const bool meets = problem.unsafe->level(demonstration.position).minCoeff() <= 0.0;
-    const Vector near = Vector::Constant(problem.dimension(), obstacle_margin),
-                 reach = (meets ? 2.0 : 1.0) * near;
+    const Vector near = Vector::Constant(problem.dimension(), margin), reach = (meets ? 2.0 : 1.0) * near;
     for (Eigen::Index k = 0; k < demonstration.samples(); ++k, ++i) {
       const Vector x = position.row(i);
-      if (obstacle_margin == 0.0 || problem.unsafe->classify({x - near, x + near}) == Location::inside ||
+      if (margin == 0.0 || problem.unsafe->classify({x - near, x + near}) == Location::inside ||
           !may_meet(*problem.unsafe, {x - reach, x + reach}, 8))
         kept.push_back(i);
     }
   }
   check(!kept.empty(),
-        "training: every demonstration sample lies within obstacle_margin = {} of the unsafe set",
-        obstacle_margin);
+        "training: every demonstration sample lies within obstacle_margin = {} of the unsafe set", margin);
   left_out_ = position.rows() - static_cast<std::int64_t>(kept.size());
   position_ = position(kept, Eigen::all);
   velocity_ = velocity(kept, Eigen::all);
   jitter_ = (problem.initial->level(position_).array() <= 0.0)
-                .select(Vector::Constant(position_.rows(), options.start_jitter), 0.0);
-  if (options.boundary > 0) {
+                .select(Vector::Constant(position_.rows(), options_.start_jitter), 0.0);
+  if (options.loss.weight[LossTerm::obstacle_normal] > 0.0) {
     RandomStream random(0, "obstacle's boundary");
     boundary_ = boundary_points(problem.unsafe, problem.workspace, kBoundary, random);
   }
@@ -150,7 +147,7 @@ Points BatchSampler::draw_workspace(RandomStream& random) const {
 
 Batch BatchSampler::draw(RandomStream& random) const {
   const Eigen::Index n = problem_.dimension();
-  const Eigen::Index corrections = backtracked_.position.rows() > 0 ? options_.corrections : 0;
+  const Eigen::Index corrections = backtracked_.position.rows() > 0 ? correction_points : 0;
   Batch batch;
   batch.position.resize(options_.demonstrations + corrections, n);
   batch.velocity.resize(options_.demonstrations + corrections, n);
@@ -179,15 +176,15 @@ Batch BatchSampler::draw(RandomStream& random) const {
   };
   batch.initial = region(initial_, pools_.initial, options_.initial);
   const Points obstacle = region(unsafe_, pools_.unsafe, options_.unsafe);
-  const Points margin = region(workspace_margin_, pools_.unsafe, options_.workspace_margin);
+  const Points margin = region(workspace_margin_, pools_.unsafe, options_.unsafe);
   batch.unsafe.resize(obstacle.rows() + margin.rows(), n);
   batch.unsafe << obstacle, margin;
-  batch.safe = some(safe_, options_.labels / 2, n, random);
-  const Points ending = some(unsafe_rollouts_, options_.labels / 2, n, random),
-               upstream = some(backtracked_.upstream, options_.upstream, n, random);
+  batch.safe = some(safe_, labelled_points / 2, n, random);
+  const Points ending = some(unsafe_rollouts_, labelled_points / 2, n, random),
+               upstream = some(backtracked_.upstream, upstream_points, n, random);
   batch.unsafe_rollouts.resize(ending.rows() + upstream.rows(), n);
   batch.unsafe_rollouts << ending, upstream;
-  batch.boundary.resize(boundary_.point.rows() > 0 ? options_.boundary : 0, n);
+  batch.boundary.resize(boundary_.point.rows() > 0 ? boundary_points_drawn : 0, n);
   batch.normal.resize(batch.boundary.rows(), n);
   for (Eigen::Index i = 0; i < batch.boundary.rows(); ++i) {
     const std::size_t chosen = random.below(boundary_.point.rows());
@@ -197,13 +194,13 @@ Batch BatchSampler::draw(RandomStream& random) const {
   return batch;
 }
 
-void BatchSampler::add(const Counterexamples& found, std::int64_t additions, std::int64_t capacity) {
+void BatchSampler::add(const Counterexamples& found) {
   for (std::size_t q = 0; q < all_conditions.size(); ++q) {
     Points* pool = &pools_.workspace;
     if (all_conditions[q] == Condition::initial) pool = &pools_.initial;
     if (all_conditions[q] == Condition::unsafe || all_conditions[q] == Condition::containment)
       pool = &pools_.unsafe;
-    append(*pool, found.points[q], additions, capacity);
+    append(*pool, found.points[q]);
   }
 }
 

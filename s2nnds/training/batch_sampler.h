@@ -19,19 +19,27 @@ struct CounterexamplePools {
   Points workspace, initial, unsafe;  // [k, n], oldest first
 };
 
+// Points of a batch that no option counts: about as many as of Xu, so that no term starves.
+inline constexpr Eigen::Index labelled_points = 256;  // by rollouts, half of them safe
+inline constexpr Eigen::Index upstream_points = 128;  // of motions followed back into {B > 0}
+inline constexpr Eigen::Index correction_points =
+    64;  // of motions followed back to X0, beside the demonstrations
+inline constexpr Eigen::Index boundary_points_drawn = 128;  // of the obstacle's boundary
+
 // Draws training batches. What it knows of the networks (points near {B = 0}, rollout labels, repairs) is
 // handed to it.
 class BatchSampler {
  public:
-  // `obstacle_margin`: demonstration samples nearer to the unsafe set than this, per axis, are left out; twice as
-  // near for demonstrations that pass through it, unless they lie within it by that much.
+  // Demonstration samples too near to the unsafe set (options.obstacle_margin) are left out. Points of the
+  // obstacle's boundary are drawn only where the term obstacle_normal has a weight. Throws Error where no
+  // sample is left, or the shares of the batch add up to more than 1.
   BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
-               const BatchOptions& options, double obstacle_margin);
+               const TrainerOptions& options);
 
   Batch draw(RandomStream& random) const;
   Points uniform(std::int64_t count, RandomStream& random) const;  // in X: [count, n]
 
-  void add(const Counterexamples& found, std::int64_t additions, std::int64_t capacity);
+  void add(const Counterexamples& found);
   void set_near_band(Points points) { near_band_ = std::move(points); }
   void set_labels(Points safe, Points unsafe_rollouts);
   void set_backtracked(Backtracked backtracked) { backtracked_ = std::move(backtracked); }

@@ -2,13 +2,16 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "s2nnds/conditions/condition.h"
 #include "s2nnds/core/random.h"
 
 namespace s2nnds {
+
+// Of the violators of one condition a source hands on so many, the worst: more would crowd out the pools what
+// earlier rounds found.
+inline constexpr std::int64_t counterexamples_kept = 500;
 
 // Points that violate a condition, worst first, and how many were seen in all.
 struct Counterexamples {
@@ -20,18 +23,19 @@ struct Counterexamples {
 };
 
 // Something that looks for points where the networks violate a condition: random sampling, local search, or
-// the open boxes of a proof. The trainer asks each source after every round; the driver decides which there
-// are.
+// the open boxes of a proof. The trainer asks each source after every round, in the order in which they were
+// added.
 class CounterexampleSource {
  public:
   virtual ~CounterexampleSource() = default;
-  virtual std::string name() const = 0;
   // `round` names the random streams, so that a resumed run sees what an unbroken one would.
   virtual Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                                std::uint64_t seed, std::int64_t round) = 0;
   // Asked only when all sources before it found nothing in a round that could be the last (a proof costs more
   // than samples).
   virtual bool only_when_clean() const { return false; }
+  // Its samples are uniform in each region: where it finds nothing, what others find lies on small sets.
+  virtual bool samples_uniformly() const { return false; }
 };
 
 }  // namespace s2nnds

@@ -7,14 +7,14 @@ namespace s2nnds {
 
 struct FalsifierOptions {
   std::int64_t samples = 200000;  // uniform in X; a tenth as many each in X0, Xu and the workspace margin
-  std::int64_t keep = 500;        // worst violators of each condition that are handed on
+  std::int64_t keep = counterexamples_kept;  // worst violators of each condition that are handed on
 };
 
 // Algorithm 2's search: fresh uniform samples of every region.
 class RandomFalsifier : public CounterexampleSource {
  public:
   RandomFalsifier(const SafetyProblem& problem, const FalsifierOptions& options);
-  std::string name() const override { return "random"; }
+  bool samples_uniformly() const override { return true; }
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;
 
@@ -29,7 +29,6 @@ class LocalSearchFalsifier : public CounterexampleSource {
  public:
   LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options, int starts = 200,
                        int steps = 20);
-  std::string name() const override { return "local search"; }
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;
 

@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace s2nnds {
+namespace {
+
+constexpr double kClip = 1.0;  // norm of the gradient: no single batch moves the weights far
+
+}  // namespace
 
 void FlatAdam::step(double rate, std::ptrdiff_t count, const float* gradient, float* parameter) {
   constexpr float beta1 = 0.9F, beta2 = 0.999F, epsilon = 1e-8F;
@@ -13,7 +18,7 @@ void FlatAdam::step(double rate, std::ptrdiff_t count, const float* gradient, fl
   double norm = 0.0;
   for (std::ptrdiff_t i = 0; i < count; ++i)
     norm += static_cast<double>(gradient[i]) * static_cast<double>(gradient[i]);
-  const auto scale = static_cast<float>(std::min(1.0, clip_ / (std::sqrt(norm) + 1e-6)));
+  const auto scale = static_cast<float>(std::min(1.0, kClip / (std::sqrt(norm) + 1e-6)));
   const auto age = static_cast<double>(steps_);
   const auto pace = static_cast<float>(rate / (1.0 - std::pow(0.9, age)));
   const auto correction = static_cast<float>(1.0 / std::sqrt(1.0 - std::pow(0.999, age)));

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "s2nnds/data/demonstration.h"
@@ -11,11 +10,5 @@ namespace s2nnds {
 // all of them, so what one demonstration does otherwise than its neighbours counts less. Normalised units.
 // Nothing changes with share 0 or one demonstration.
 std::vector<Demonstration> smoothed(std::vector<Demonstration> demonstrations, double share);
-
-// Samples beside the demonstrations, with the velocities g(x) of the same regression: three copies of each
-// demonstration, every coordinate displaced by a normal deviate of standard deviation `width` >= 0
-// (normalised units). None with width 0 or one demonstration.
-std::vector<Demonstration> tube(const std::vector<Demonstration>& demonstrations, double width,
-                                std::uint64_t seed);
 
 }  // namespace s2nnds

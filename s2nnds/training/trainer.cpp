@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "s2nnds/core/check.h"
@@ -16,53 +15,46 @@
 #include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/level.h"
 #include "s2nnds/training/loss_table.h"
+#include "s2nnds/training/plan.h"
 #include "s2nnds/training/smoothed_velocity.h"
 #include "s2nnds/training/warm_start.h"
 
 namespace s2nnds {
 namespace {
 
-constexpr std::int64_t kBandCandidates = 20000;  // points among which those near {B = 0} are sought
-// Factors of a weight after a round that was to keep the certificate and failed, and after one that did not.
-constexpr double kRetreat = 0.5, kAdvance = 1.5;
+// Points near {B = 0} are those with |B| below kBandNear of kBandCandidates uniform ones, sought anew every
+// kBandRefresh steps, in which B moves little: wider than the level band, so that Bdot < 0 holds around it
+// too.
+constexpr std::int64_t kBandCandidates = 20000;
+constexpr double kBandNear = 0.06;
+constexpr std::int64_t kBandRefresh = 100;
+
+// Within a round the rates fall to this share of themselves: what noise of the steps leaves behind looks like
+// violations that no training removes.
+constexpr double kRateAtEnd = 0.05;
+// Steps of a round over which the rates rise from 0: the optimiser's first steps know nothing of the
+// gradient's size and move every weight by the whole rate.
+constexpr std::int64_t kRateRise = 50;
 
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-// What a round trains, how fast and towards what.
-struct RoundPlan {
-  bool only_barrier = false;
-  double rate = 1.0;  // factor of all rates
-  LossOptions loss;
-};
-
 torch::Tensor tensor(const Points& points) {
   return torch::from_blob(const_cast<double*>(points.data()), {points.rows(), points.cols()}, torch::kFloat64)
       .to(torch::kFloat32);
 }
 
-// What f is fitted to.
-std::vector<Demonstration> fitted_samples(const std::vector<Demonstration>& demonstrations,
-                                          const TrainerOptions& options, std::uint64_t seed) {
-  std::vector<Demonstration> all = smoothed(demonstrations, options.smoothing);
-  for (Demonstration& copy : tube(demonstrations, options.tube, seed)) all.push_back(std::move(copy));
-  return all;
-}
-
-// Without a obstacle_normal no boundary points are drawn.
-BatchOptions batch_options(const TrainerOptions& options) {
-  BatchOptions batch = options.batch;
-  if (options.loss.weight[LossTerm::obstacle_normal] == 0.0) batch.boundary = 0;
-  return batch;
+// The share of the round's rate at a step: half a cosine from 1 down to kRateAtEnd, after a linear rise.
+double annealed(std::int64_t step, std::int64_t steps) {
+  const double progress = static_cast<double>(step) / static_cast<double>(steps);
+  const double fall = 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
+  const double rise = std::min(1.0, static_cast<double>(step + 1) / static_cast<double>(kRateRise));
+  return rise * (kRateAtEnd + (1.0 - kRateAtEnd) * fall);
 }
 
 }  // namespace
-
-std::int64_t RoundSummary::counterexamples() const {
-  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
-}
 
 class Trainer::Impl {
  public:
@@ -72,8 +64,7 @@ class Trainer::Impl {
         network_options_(networks),
         options_(options),
         seed_(seed),
-        sampler_(problem, fitted_samples(demonstrations, options, seed), batch_options(options),
-                 options.obstacle_margin),
+        sampler_(problem, smoothed(demonstrations, options.smoothing), options),
         level_(problem, {.level_band = options.level_band, .reach = options.max_level_shift}) {
     RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
     modules_.f = make_field(1);
@@ -91,50 +82,23 @@ class Trainer::Impl {
     summary.left_out_samples = sampler_.left_out_samples();
     if (history_.empty()) {
       RoundSummary row;
-      const WarmStartSummary warm = warm_up();
-      row.mse = warm.mse;
+      row.mse = warm_up().mse;
       row.seconds = seconds();
-      summary.warm_start_mse = warm.mse;
-      summary.warm_start_attempt = warm.attempt;
       summary.stopped = !report(row, owner);
     }
-    while (!summary.stopped && !finished()) {
+    for (RoundPlan next = planned(); !summary.stopped && !next.finished; next = planned()) {
       const Networks before = networks();
-      RoundSummary row = train_round();
+      RoundSummary row = train_round(next);
       choose_level(row.round);
       search(row);
-      if (row.stage != Stage::search && !row.clean()) set_networks(before);
+      if (next.undone_unless_clean && !row.clean()) set_networks(before);
       row.seconds = seconds();
       summary.stopped = !report(row, owner);
     }
     summary.rounds = history_.back().round;
-    summary.clean = had_clean_round();
+    summary.clean = has_clean_round(history_, options_);
     summary.seconds = seconds();
     return summary;
-  }
-
-  bool finished() const {
-    if (!had_clean_round()) return history_.back().round >= options_.rounds;
-    return next_stage() == Stage::enlarge &&
-           rounds_in(Stage::enlarge) >= (uses_labels() ? options_.enlarge_rounds : 0);
-  }
-
-  std::int64_t rounds_in(Stage stage) const {
-    return std::count_if(history_.begin(), history_.end(),
-                         [=](const RoundSummary& row) { return row.stage == stage; });
-  }
-
-  Stage next_stage() const {
-    if (!had_clean_round()) return Stage::search;
-    return rounds_in(Stage::imitation_finetune) < options_.imitation_finetune_rounds
-               ? Stage::imitation_finetune
-               : Stage::enlarge;
-  }
-
-  bool had_clean_round() const {
-    return std::any_of(history_.begin(), history_.end(), [&](const RoundSummary& row) {
-      return row.round >= options_.min_rounds && row.clean();
-    });
   }
 
   Networks networks() const {
@@ -158,6 +122,12 @@ class Trainer::Impl {
   std::function<bool(const RoundSummary&, const Trainer&)> callback;
 
  private:
+  RoundPlan planned() const {
+    TrainerOptions options = options_;
+    if (!labels) options.rollout_points = 0;
+    return plan(history_, options);
+  }
+
   void set_networks(const Networks& networks) {
     modules_.f->restore(networks.f);
     modules_.V->restore(networks.V);
@@ -182,142 +152,59 @@ class Trainer::Impl {
                       [&](std::int64_t attempt) { return make_field(attempt); });
   }
 
-  RoundSummary train_round() {
+  RoundSummary train_round(const RoundPlan& now) {
     RoundSummary row;
-    const std::int64_t round = row.round = static_cast<std::int64_t>(history_.size());
-    row.stage = next_stage();
-    label(row);
-    seek_backtracked(row.stage);
-    if (row.stage == Stage::search && starts_anew(round) && options_.redraw_barrier) redraw_barrier(round);
-    const RoundPlan plan = plan_of(round, row.stage);
+    const std::int64_t round = row.round = std::ssize(history_);
+    row.stage = now.stage;
+    if (now.labels_rollouts) label(row);
+    seek_backtracked(now);
+    if (now.starts_anew) redraw_barrier(round);
     // Each round starts afresh, so that a checkpoint needs no optimiser state.
-    std::vector<FlatAdam> optimizers(3, FlatAdam(0.0, options_.clip));
-    optimizers[0] = FlatAdam(options_.weight_decay, options_.clip);
+    std::vector<FlatAdam> optimizers(3, FlatAdam(0.0));
+    optimizers[0] = FlatAdam(options_.weight_decay);
     torch::Tensor parameters[] = {modules_.f->network->theta, modules_.V->network->theta,
                                   modules_.B->network->theta};
     const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
-    JointLoss loss(modules_, loss_table(plan.loss), plan.loss, engine_from(options_.engine),
-                   plan.only_barrier ? Trains::barrier : Trains::all);
-    const std::size_t first_trained = plan.only_barrier ? 2 : 0;
+    JointLoss loss(modules_, loss_table(now.loss), now.loss, engine_from(options_.engine),
+                   now.only_barrier ? Trains::barrier : Trains::all);
+    const std::size_t first_trained = now.only_barrier ? 2 : 0;
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
-    const auto seeks_band = [&](std::int64_t step) { return step % options_.batch.band_refresh == 0; };
+    const auto seeks_band = [](std::int64_t step) { return step % kBandRefresh == 0; };
+    const auto draw = [&] { return transform<torch::Tensor>(sampler_.draw(random), tensor); };
     BatchTensors batch, next;
     SideTask drawing;  // of the next step's batch, while a step runs
     for (std::int64_t step = 0; step < options_.steps; ++step) {
       if (seeks_band(step)) {
         seek_band(candidates);
-        batch = transform<torch::Tensor>(sampler_.draw(random), tensor);
+        batch = draw();
       } else {
         drawing.wait();
         batch = std::move(next);
       }
-      if (step + 1 < options_.steps && !seeks_band(step + 1)) {
-        drawing.start([&] { next = transform<torch::Tensor>(sampler_.draw(random), tensor); });
-      }
+      if (step + 1 < options_.steps && !seeks_band(step + 1)) drawing.start([&] { next = draw(); });
       const LossValue value = loss(batch);
       for (torch::Tensor& parameter : parameters) parameter.mutable_grad() = torch::Tensor();
       value.total.backward();
       for (std::size_t k = first_trained; k < optimizers.size(); ++k) {
-        optimizers[k].step(plan.rate * annealed(step) * rates[k], parameters[k].numel(),
+        optimizers[k].step(now.rate * annealed(step, options_.steps) * rates[k], parameters[k].numel(),
                            parameters[k].grad().data_ptr<float>(), parameters[k].data_ptr<float>());
       }
       const double share = 1.0 / static_cast<double>(options_.steps);
       row.loss += share * value.total.item<double>();
       for (const LossTerm term : all_loss_terms) row.loss_terms[term] += share * value.terms[term];
     }
-    const double weight = plan.loss.weight[LossTerm::imitation];
+    const double weight = now.loss.weight[LossTerm::imitation];
     row.mse = weight > 0.0 ? row.loss_terms[LossTerm::imitation] / weight : history_.back().mse;
     return row;
   }
-
-  // The rates are back at their full height.
-  bool starts_anew(std::int64_t round) const { return round > 1 && (round - 1) % options_.rate_period == 0; }
 
   void redraw_barrier(std::int64_t round) {
     RandomStream start(seed_, "start/B", round);
     modules_.B = Barrier(problem_.dimension(), network_options_.B, start);
   }
 
-  RoundPlan plan_of(std::int64_t round, Stage stage) const {
-    if (stage == Stage::enlarge) return enlarge_plan();
-    if (stage == Stage::imitation_finetune) return imitation_finetune_plan();
-    const auto age = static_cast<double>((round - 1) % options_.rate_period);
-    RoundPlan plan = {false, std::max(options_.rate_floor, std::pow(options_.rate_decay, age)),
-                      options_.loss};
-    const auto restarts = static_cast<double>((round - 1) / options_.rate_period);
-    plan.loss.weight[LossTerm::imitation] *= std::pow(options_.restart_mse, restarts);
-    plan.loss.weight[LossTerm::rollout_safety] *= std::pow(options_.restart_rollout_safety, restarts);
-    plan.loss.weight[LossTerm::obstacle_normal] *= std::pow(options_.restart_rollout_safety, restarts);
-    const std::int64_t refining = starts_anew(round) ? 0 : refine_round();
-    if (refining == 0) return plan;
-    plan.rate *= options_.refine_rate;
-    plan.loss.weight[LossTerm::rollout_safety] *= std::pow(options_.refine_labels, refining);
-    plan.loss.weight[LossTerm::obstacle_normal] *= std::pow(options_.refine_labels, refining);
-    plan.loss.weight[LossTerm::barrier_decrease] *= options_.refine_band;
-    return plan;
-  }
-
-  // Which one in a row of rounds that mend the next round is; 0 if it does not mend. A row that ends without
-  // success is followed by a round at full rates: what is left may lie in the shape of the functions.
-  std::int64_t refine_round() const {
-    const auto other = std::find_if(history_.rbegin(), history_.rend(),
-                                    [&](const RoundSummary& row) { return !nearly_clean(row); });
-    return std::distance(history_.rbegin(), other) % (options_.refine_rounds + 1);
-  }
-
-  // Random search found few counterexamples; those that are left may be none of its own.
-  bool nearly_clean(const RoundSummary& row) const {
-    if (row.round < options_.min_rounds || row.stage != Stage::search) return false;
-    return row.counterexamples() < options_.refine_below || row.first_found == 0;
-  }
-
-  // A weight's factor: `first`, less after each round of the stage that failed.
-  double careful(Stage stage, double first) const {
-    double factor = first;
-    for (const RoundSummary& row : history_) {
-      if (row.stage == stage)
-        factor = std::clamp(factor * (row.clean() ? kAdvance : kRetreat), 1.0, std::max(1.0, first));
-    }
-    return factor;
-  }
-
-  RoundPlan imitation_finetune_plan() const {
-    RoundPlan plan = {false, options_.imitation_finetune_rate, options_.loss};
-    plan.loss.weight[LossTerm::imitation] *=
-        careful(Stage::imitation_finetune, options_.imitation_finetune_mse);
-    return plan;
-  }
-
-  // What concerns B alone.
-  RoundPlan enlarge_plan() const {
-    RoundPlan plan = {true, options_.enlarge_rate, options_.loss};
-    plan.loss.weight[LossTerm::imitation] = plan.loss.weight[LossTerm::lyapunov] =
-        plan.loss.weight[LossTerm::obstacle_normal] = 0.0;
-    plan.loss.weight[LossTerm::rollout_safety] *= careful(Stage::enlarge, options_.enlarge_labels);
-    plan.loss.weight[LossTerm::barrier_sets] *= options_.enlarge_margins;
-    plan.loss.weight[LossTerm::barrier_decrease] *= options_.enlarge_margins;
-    return plan;
-  }
-
-  // The share of the round's rate at a step: half a cosine from 1 down to rate_end, after a linear rise,
-  // since the optimiser's first steps know nothing of the gradient's size and move every weight by the whole
-  // rate.
-  double annealed(std::int64_t step) const {
-    const double progress = static_cast<double>(step) / static_cast<double>(options_.steps);
-    const double fall = 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
-    const double rise =
-        std::min(1.0, static_cast<double>(step + 1) / static_cast<double>(options_.rate_rise));
-    return rise * (options_.rate_end + (1.0 - options_.rate_end) * fall);
-  }
-
-  bool uses_labels() const {
-    return labels && options_.rollout_points > 0 && options_.loss.weight[LossTerm::rollout_safety] > 0.0 &&
-           options_.loss.kind != "paper";
-  }
-
   // Rollout labels of fresh points under the f that the round starts with.
   void label(RoundSummary& row) {
-    if (!uses_labels()) return;
     RandomStream random(seed_, "labels", row.round);
     const Points starts = sampler_.uniform(options_.rollout_points, random);
     const std::vector<bool> is_safe = labels(modules_.f->snapshot(), starts);
@@ -327,15 +214,12 @@ class Trainer::Impl {
     sampler_.set_labels(starts(safe, Eigen::all), starts(unsafe_rollouts, Eigen::all));
   }
 
-  // Without the band's weight nothing makes B a barrier.
-  void seek_backtracked(Stage stage) {
+  void seek_backtracked(const RoundPlan& now) {
     const Points none(0, problem_.dimension());
     Backtracked found = {none, none, none};
-    if (options_.backtrack_motions > 0 && options_.loss.weight[LossTerm::barrier_decrease] > 0.0 &&
-        stage == Stage::search) {
+    if (now.backtracks) {
       found = backtrack(networks(), problem_, sampler_.pools().workspace, sampler_.position(),
-                        sampler_.velocity(),
-                        {options_.backtrack_motions, options_.level_band, options_.backtrack_gain});
+                        sampler_.velocity(), {.level_band = options_.level_band});
     }
     sampler_.set_backtracked(std::move(found));
   }
@@ -346,7 +230,7 @@ class Trainer::Impl {
     const Points value = BasicEvaluator<float>(modules_.B->snapshot()).value(candidates);
     std::vector<Eigen::Index> near;
     for (Eigen::Index i = 0; i < candidates.rows(); ++i) {
-      if (std::abs(value(i, 0)) < options_.batch.band_near) near.push_back(i);
+      if (std::abs(value(i, 0)) < kBandNear) near.push_back(i);
     }
     sampler_.set_near_band(candidates(near, Eigen::all));
   }
@@ -369,9 +253,9 @@ class Trainer::Impl {
       if (source->only_when_clean() && (row.counterexamples() > 0 || row.round < options_.min_rounds))
         continue;
       const Counterexamples found = source->find(current, problem_, options_.level_band, seed_, row.round);
-      if (source == sources.front()) row.first_found = found.total();
+      if (source->samples_uniformly()) row.found_by_sampling += found.total();
       for (std::size_t q = 0; q < row.counts.size(); ++q) row.counts[q] += found.counts[q];
-      sampler_.add(found, options_.pool_additions, options_.pool_capacity);
+      sampler_.add(found);
     }
     const CounterexamplePools& pools = sampler_.pools();
     row.pool = pools.workspace.rows() + pools.initial.rows() + pools.unsafe.rows();

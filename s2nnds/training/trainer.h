@@ -8,30 +8,10 @@
 #include "s2nnds/networks/network_options.h"
 #include "s2nnds/training/batch_sampler.h"
 #include "s2nnds/training/counterexample.h"
+#include "s2nnds/training/history.h"
 #include "s2nnds/training/trainer_options.h"
 
 namespace s2nnds {
-
-// What a round is for. `search`: a certificate. After it, keeping only what is clean, `imitation_finetune`: an f nearer
-// to the demonstrations, and `enlarge`: a larger safe set, B alone trained.
-enum class Stage : std::uint8_t { search, imitation_finetune, enlarge };
-
-// One row of the history: a round of joint training and the search for counterexamples after it.
-struct RoundSummary {
-  std::int64_t round = 0;        // from 1; 0 is the warm start
-  double loss = 0.0;             // mean over the round's steps, as the next two
-  PerTerm<double> loss_terms{};  // with their weights: they add up to the loss
-  double mse = 0.0;              // of f on the demonstrations; the last round's where f does not train
-  std::array<std::int64_t, condition_count> counts{};  // counterexamples found, by condition
-  std::int64_t first_found = 0;                        // of these, by the first source: random search
-  std::int64_t pool = 0;                               // counterexamples kept for training
-  double safe_share = 0.0;                             // of the label points, those with safe rollouts
-  Stage stage = Stage::search;
-  double seconds = 0.0;  // of training since its start, interruptions left out
-
-  std::int64_t counterexamples() const;
-  bool clean() const { return round > 0 && counterexamples() == 0; }
-};
 
 // All that training needs to go on as if it had never stopped; random streams are named by round, so they
 // need none.
@@ -45,8 +25,6 @@ struct TrainerSummary {
   bool clean = false;  // the networks are those of a round that ended without counterexamples from any source
   bool stopped = false;  // a callback asked to stop
   std::int64_t rounds = 0;
-  double warm_start_mse = 0.0;
-  std::int64_t warm_start_attempt = 1;
   std::int64_t left_out_samples = 0;  // demonstration samples too near to the obstacle
   double seconds = 0.0;
 };
@@ -55,8 +33,7 @@ struct TrainerSummary {
 using RolloutLabels = std::function<std::vector<bool>(const NetworkWeights& f, const Points& starts)>;
 
 // The counterexample-guided loop (the paper's Algorithm 2): warm start of f, then rounds of joint training of
-// f, V and B, each followed by a search for counterexamples, until a round of at least min_rounds ends clean;
-// then rounds that fine-tune f and rounds in which B alone grows, which keep what was clean.
+// f, V and B as plan.h says, each followed by a search for counterexamples.
 class Trainer {
  public:
   // `demonstrations` are the training demonstrations, normalised. The problem must outlive the trainer.

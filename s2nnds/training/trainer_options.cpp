@@ -4,16 +4,12 @@ namespace s2nnds {
 
 void WarmStartOptions::visit(FieldVisitor& v) {
   v.field("steps", steps, at_least(1));
-  v.field("batch", batch, at_least(1));
   v.field("rate", rate, above(0.0));
   v.field("weight_decay", weight_decay, at_least(0.0));
-  v.field("clip", clip, above(0.0));
   v.field("attempts", attempts, at_least(1));
-  v.field("stalled", stalled, above(0.0));
 }
 
 void LossOptions::visit(FieldVisitor& v) {
-  v.field("kind", kind, {"robust", "paper"});
   for (const LossTerm term : all_loss_terms)
     v.field(std::string(to_string(term)), weight[term], at_least(0.0));
   v.field("margin_initial", margin_initial, at_least(0.0));
@@ -35,16 +31,9 @@ void BatchOptions::visit(FieldVisitor& v) {
   v.field("workspace", workspace, at_least(1));
   v.field("initial", initial, at_least(1));
   v.field("unsafe", unsafe, at_least(1));
-  v.field("workspace_margin", workspace_margin, at_least(1));
-  v.field("labels", labels, at_least(2));
-  v.field("upstream", upstream, at_least(1));
-  v.field("corrections", corrections, at_least(1));
-  v.field("boundary", boundary, at_least(1));
   v.field("share_counterexamples", share_counterexamples, between(0.0, 1.0));
   v.field("share_band", share_band, between(0.0, 1.0));
   v.field("share_goal", share_goal, between(0.0, 1.0));
-  v.field("band_near", band_near, above(0.0));
-  v.field("band_refresh", band_refresh, at_least(1));
 }
 
 void TrainerOptions::visit(FieldVisitor& v) {
@@ -55,37 +44,18 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("rate_f", rate_f, above(0.0));
   v.field("rate_certificates", rate_certificates, above(0.0));
   v.field("rate_decay", rate_decay, {.low = 0.0, .high = 1.0, .open_low = true});
-  v.field("rate_end", rate_end, between(0.0, 1.0));
-  v.field("rate_floor", rate_floor, between(0.0, 1.0));
-  v.field("rate_rise", rate_rise, at_least(1));
-  v.field("rate_period", rate_period, at_least(1));
-  v.field("redraw_barrier", redraw_barrier);
-  v.field("restart_mse", restart_mse, between(0.0, 1.0));
-  v.field("restart_rollout_safety", restart_rollout_safety, between(0.0, 1.0));
-  v.field("refine_rounds", refine_rounds, at_least(0));
-  v.field("refine_below", refine_below, at_least(1));
-  v.field("refine_rate", refine_rate, above(0.0));
-  v.field("refine_labels", refine_labels, between(0.0, 1.0));
-  v.field("refine_band", refine_band, at_least(0.0));
-  v.field("backtrack_motions", backtrack_motions, at_least(0));
-  v.field("backtrack_gain", backtrack_gain, at_least(0.0));
+  v.field("rate_period", rate_period, at_least(0));
+  v.field("relax_weights", relax_weights);
+  v.field("refine", refine);
+  v.field("backtrack", backtrack);
   v.field("max_level_shift", max_level_shift, at_least(0.0));
   v.field("imitation_finetune_rounds", imitation_finetune_rounds, at_least(0));
-  v.field("imitation_finetune_mse", imitation_finetune_mse, at_least(0.0));
-  v.field("imitation_finetune_rate", imitation_finetune_rate, above(0.0));
   v.field("enlarge_rounds", enlarge_rounds, at_least(0));
-  v.field("enlarge_labels", enlarge_labels, at_least(0.0));
-  v.field("enlarge_margins", enlarge_margins, at_least(0.0));
-  v.field("enlarge_rate", enlarge_rate, above(0.0));
-  v.field("clip", clip, above(0.0));
   v.field("weight_decay", weight_decay, at_least(0.0));
   v.field("rollout_points", rollout_points, at_least(0));
   v.field("smoothing", smoothing, between(0.0, 1.0));
-  v.field("tube", tube, at_least(0.0));
   v.field("obstacle_margin", obstacle_margin, at_least(0.0));
   v.field("samples", samples, at_least(1));
-  v.field("pool_additions", pool_additions, at_least(1));
-  v.field("pool_capacity", pool_capacity, at_least(1));
   v.field("level_band", level_band, above(0.0));
   v.group("warm_start", warm_start);
   v.group("loss", loss);
@@ -95,12 +65,9 @@ void TrainerOptions::visit(FieldVisitor& v) {
 TrainerOptions paper_training() {
   TrainerOptions options;
   options.rollout_points = 0;
-  options.refine_rounds = options.backtrack_motions = options.imitation_finetune_rounds =
-      options.enlarge_rounds = 0;
+  options.refine = options.backtrack = options.relax_weights = false;
+  options.imitation_finetune_rounds = options.enlarge_rounds = options.rate_period = 0;
   options.rate_certificates = 3e-3;
-  options.rate_rise = 1;
-  options.redraw_barrier = false;
-  options.restart_mse = options.restart_rollout_safety = 1.0;
   options.max_level_shift = 0.0;
   options.smoothing = options.obstacle_margin = options.batch.start_jitter = 0.0;
   options.weight_decay = options.warm_start.weight_decay = 0.0;
@@ -110,7 +77,7 @@ TrainerOptions paper_training() {
                   .margin_unsafe = 0.01,
                   .margin_barrier_decrease = 0.0,
                   .leak = 0.01};
-  options.batch.initial = options.batch.unsafe = options.batch.workspace_margin = 64;
+  options.batch.initial = options.batch.unsafe = 64;
   options.batch.share_band = options.batch.share_goal = 0.0;
   return options;
 }
@@ -119,7 +86,8 @@ TrainerOptions imitation_training() {
   TrainerOptions options;
   options.rounds = options.min_rounds;
   options.rollout_points = 0;
-  options.refine_rounds = options.imitation_finetune_rounds = options.enlarge_rounds = 0;
+  options.refine = false;
+  options.imitation_finetune_rounds = options.enlarge_rounds = 0;
   options.samples = 1000;                                              // what they find trains nothing
   options.loss.weight = {{options.loss.weight[LossTerm::imitation]}};  // the others are 0
   return options;

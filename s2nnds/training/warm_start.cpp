@@ -12,6 +12,10 @@
 namespace s2nnds {
 namespace {
 
+// A start has stalled with an MSE above this share of the mean squared velocity.
+constexpr double kStalled = 0.25;
+constexpr std::int64_t kBatch = 512;  // demonstration samples a step
+
 double full_mse(const VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity) {
   const auto rows = [](const torch::Tensor& x) -> Points {
     using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -68,15 +72,14 @@ void fit(VectorField& f, const torch::Tensor& position, const torch::Tensor& vel
   torch::Tensor theta = f->network->theta, gradient = torch::empty_like(theta);
   std::optional<ImitationLoss> fused;
   if (engine == Engine::fused) fused.emplace(f);
-  FlatAdam optimizer(options.weight_decay, options.clip);
-  torch::Tensor rows = torch::empty({options.batch}, torch::kInt64);
+  FlatAdam optimizer(options.weight_decay);
+  torch::Tensor rows = torch::empty({kBatch}, torch::kInt64);
   const auto samples = static_cast<std::size_t>(position.size(0));
   for (std::int64_t step = 0; step < options.steps; ++step) {
     const double progress = static_cast<double>(step) / static_cast<double>(options.steps);
     const double rate = options.rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
     auto* row = rows.data_ptr<std::int64_t>();
-    for (std::int64_t i = 0; i < options.batch; ++i)
-      row[i] = static_cast<std::int64_t>(random.below(samples));
+    for (std::int64_t i = 0; i < kBatch; ++i) row[i] = static_cast<std::int64_t>(random.below(samples));
     const torch::Tensor x = position.index_select(0, rows), target = velocity.index_select(0, rows);
     displace(x, rows, jitter, random);
     if (fused) {
@@ -103,7 +106,7 @@ WarmStartSummary warm_start(VectorField& f, const torch::Tensor& position, const
     fit(candidate, position, velocity, jitter, options, engine,
         RandomStream(seed, "warm start/batches", attempt));
     const double mse = full_mse(candidate, position, velocity);
-    const bool stalled = !(mse <= options.stalled * motion);
+    const bool stalled = !(mse <= kStalled * motion);
     if (mse < best.mse || attempt == 1) {
       best = {mse, attempt, stalled};
       f = candidate;

@@ -15,8 +15,8 @@ struct WarmStartSummary {
 };
 
 // Fits f to (position, velocity) [N, n] alone, each position displaced by its own standard deviation `jitter`
-// [N] whenever it is drawn: AdamW on the MSE with cosine decay. A start that stalls (see WarmStartOptions) is
-// drawn anew with `make`(attempt); the best one is returned in `f`.
+// [N] whenever it is drawn: AdamW on the MSE with cosine decay. A start that stalls, so that f hardly moves
+// with the demonstrations, is drawn anew with `make`(attempt); the best one is returned in `f`.
 WarmStartSummary warm_start(VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity,
                             const Vector& jitter, const WarmStartOptions& options, Engine engine,
                             std::uint64_t seed, const std::function<VectorField(std::int64_t attempt)>& make);

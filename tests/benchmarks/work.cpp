@@ -73,7 +73,7 @@ class TrainingStep::Impl {
   JointLoss loss_{modules_, loss_table(options_), options_, Engine::fused};
   torch::Tensor parameters_[3] = {modules_.f->network->theta, modules_.V->network->theta,
                                   modules_.B->network->theta};
-  FlatAdam optimizers_[3] = {{0.0, 1.0}, {0.0, 1.0}, {0.0, 1.0}};  // as in s2nnds/training/trainer.cpp
+  FlatAdam optimizers_[3] = {FlatAdam(0.0), FlatAdam(0.0), FlatAdam(0.0)};
 };
 
 TrainingStep::TrainingStep(const WorkSize& size) : impl_(std::make_unique<Impl>(size)) {}

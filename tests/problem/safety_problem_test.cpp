@@ -69,7 +69,7 @@ TEST(SafetyProblem, TheShellIsTheClosedOutsideOfTheContainedWorkspace) {
   EXPECT_EQ(problem.workspace_margin->classify({Vector{{1.5, -2.0}}, Vector{{2.0, 2.0}}}), Location::inside);
   EXPECT_EQ(problem.workspace_margin->classify({Vector{{0.0, 0.0}}, Vector{{1.5, 1.0}}}), Location::unknown);
   EXPECT_EQ(problem.workspace_margin->classify({Vector{{0.0, 0.0}}, Vector{{1.4, 1.0}}}), Location::outside);
-  options.contain = false;
+  options.containment = 0.0;
   EXPECT_EQ(make_problem(options, lines()).workspace_margin, nullptr);
 }
 
@@ -102,7 +102,7 @@ TEST(SafetyProblem, BadInitialSetsAreRefused) {
   ProblemOptions options;
   options.initial = disc(1.1, 0.0, 0.2);
   EXPECT_TRUE(has(message(options), "outside of the contained workspace")) << message(options);
-  options.contain = false;
+  options.containment = 0.0;
   EXPECT_TRUE(has(message(options), "outside of the workspace")) << message(options);
   options.initial = {.type = "halfspace", .normal = {1.0, 0.0}, .offset = -0.5};
   EXPECT_TRUE(has(message(options), "outside of the workspace")) << message(options);
@@ -131,13 +131,13 @@ TEST(SafetyProblem, BadDemonstrationsAndOptionsAreRefused) {
 TEST(SafetyProblem, OptionsMakeTheRoundTrip) {
   ProblemOptions options;
   read_toml(
-      "workspace = 1.5\ncontain = false\npadding = 0.1\ninitial = {type = \"ball_auto\", radius = 0.2}\n"
+      "workspace = 1.5\ncontainment = 0\npadding = 0.1\ninitial = {type = \"ball_auto\", radius = 0.2}\n"
       "unsafe = {type = \"complement\", of = [{type = \"box\", lower = [-1, -inf], upper = [1, inf]}]}",
       "test", options);
   ProblemOptions again;
   read_toml(to_toml(options), "again", again);
   EXPECT_EQ(again.workspace, 1.5);
-  EXPECT_FALSE(again.contain);
+  EXPECT_EQ(again.containment, 0.0);
   EXPECT_EQ(again.initial.radius, 0.2);
   EXPECT_EQ(again.unsafe.of.at(0).upper, options.unsafe.of.at(0).upper);
   EXPECT_EQ(to_toml(again), to_toml(options));

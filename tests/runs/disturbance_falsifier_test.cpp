@@ -21,14 +21,14 @@ NetworkWeights cancelling_field(double size) {
 }
 
 TEST(DisturbanceFalsifier, FindsNothingWhereTheBarrierCoversTheError) {
-  DisturbanceFalsifier source({}, 20);
+  DisturbanceFalsifier source(20);
   const Counterexamples found = source.find(simple_networks(), simple_problem(), 0.01, 1, 1);
   EXPECT_EQ(found.total(), 0);
   EXPECT_GT(found.samples[kBarrier], 0);
 }
 
 TEST(DisturbanceFalsifier, HandsOnPointsNearTheBarrierWhereItDoesNot) {
-  DisturbanceFalsifier source({}, 20);
+  DisturbanceFalsifier source(20);
   Networks networks = simple_networks();
   source.find(networks, simple_problem(), 0.01, 1, 1);
   networks.f = cancelling_field(1e7);  // another field, another error
@@ -37,7 +37,7 @@ TEST(DisturbanceFalsifier, HandsOnPointsNearTheBarrierWhereItDoesNot) {
   ASSERT_EQ(found.points[kBarrier].rows(), 20);
   const Points value = networks.B.value(found.points[kBarrier]);
   EXPECT_LT(value.cwiseAbs().maxCoeff(), 0.5);
-  const Counterexamples again = DisturbanceFalsifier({}, 20).find(networks, simple_problem(), 0.01, 1, 1);
+  const Counterexamples again = DisturbanceFalsifier(20).find(networks, simple_problem(), 0.01, 1, 1);
   EXPECT_EQ(again.points[kBarrier], found.points[kBarrier]);
 }
 

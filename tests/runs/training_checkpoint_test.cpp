@@ -15,7 +15,7 @@ TEST(TrainingCheckpoint, KeepsWhatEachRoundFound) {
     row.round = static_cast<std::int64_t>(k);
     row.loss_terms.fill(0.5 * row.round);
     row.counts.fill(7 * row.round);
-    row.first_found = 5 * row.round;
+    row.found_by_sampling = 5 * row.round;
     row.stage = k == 2 ? Stage::enlarge : Stage::imitation_finetune;
   }
   RunRecord record;
@@ -26,7 +26,7 @@ TEST(TrainingCheckpoint, KeepsWhatEachRoundFound) {
   for (std::size_t k = 0; k < back.history.size(); ++k) {
     EXPECT_EQ(back.history[k].loss_terms, state.history[k].loss_terms);
     EXPECT_EQ(back.history[k].counts, state.history[k].counts);
-    EXPECT_EQ(back.history[k].first_found, state.history[k].first_found);
+    EXPECT_EQ(back.history[k].found_by_sampling, state.history[k].found_by_sampling);
     EXPECT_EQ(back.history[k].stage, state.history[k].stage);
   }
   EXPECT_EQ(back.pools.workspace, state.pools.workspace);

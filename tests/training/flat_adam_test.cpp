@@ -13,7 +13,7 @@ TEST(FlatAdam, TakesTheStepsOfTheLibrarys) {
   const torch::Tensor target = torch::randn({1000}), start = torch::randn({1000});
   torch::Tensor reference = start.clone().requires_grad_(true), ours = start.clone();
   torch::optim::AdamW library({reference}, torch::optim::AdamWOptions(0.03).weight_decay(0.1));
-  FlatAdam adam(0.1, 1.0);
+  FlatAdam adam(0.1);
   bool clipped = false, free = false;
   for (int step = 0; step < 300; ++step) {
     const double rate = 0.03 * (1.0 - step / 400.0);

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/core/random.h"
 
 namespace s2nnds {
 namespace {
@@ -71,20 +70,6 @@ TEST(SmoothedVelocity, TakesManyDemonstrationsAndShortOnes) {
   }
   EXPECT_TRUE(stack_velocities(smoothed(raw, 1.0)).allFinite());
   EXPECT_LT(rms_error(smoothed(spirals(30, 0.2), 1.0)), 0.5 * rms_error(spirals(30, 0.2)));
-}
-
-TEST(SmoothedVelocity, TheTubeIsTheFieldBesideTheDemonstrations) {
-  const std::vector<Demonstration> raw = spirals(4, 0.1), copies = tube(raw, 0.03, 5);
-  ASSERT_EQ(copies.size(), 12U);
-  EXPECT_LT(rms_error(copies), 0.05);
-  const Points moved =
-      copies[5].position - raw[1].position;  // 800 deviates: 2.5 % of .03, one standard deviation
-  EXPECT_NEAR(std::sqrt(moved.array().square().mean()), 0.03, 0.003);
-  EXPECT_EQ(tube(raw, 0.03, 5)[5].position, copies[5].position);
-  EXPECT_NE(tube(raw, 0.03, 6)[5].position, copies[5].position);
-  EXPECT_TRUE(tube(raw, 0.0, 5).empty());
-  EXPECT_TRUE(tube(spirals(1, 0.1), 0.03, 5).empty());
-  EXPECT_THROW(tube(raw, -0.1, 5), Error);
 }
 
 TEST(SmoothedVelocity, RefusesAShareThatIsNone) {

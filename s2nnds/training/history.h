@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <numeric>
+
+#include "s2nnds/conditions/condition.h"
+#include "s2nnds/training/loss_term.h"
+
+namespace s2nnds {
+
+// What a round is for. `search`: a certificate. After it, keeping only what is clean, `imitation_finetune`:
+// an f nearer to the demonstrations, and `enlarge`: a larger safe set, B alone trained.
+enum class Stage : std::uint8_t { search, imitation_finetune, enlarge };
+
+// One row of the history: a round of joint training and the search for counterexamples after it.
+struct RoundSummary {
+  std::int64_t round = 0;        // from 1; 0 is the warm start
+  double loss = 0.0;             // mean over the round's steps, as the next two
+  PerTerm<double> loss_terms{};  // with their weights: they add up to the loss
+  double mse = 0.0;              // of f on the demonstrations; the last round's where f does not train
+  std::array<std::int64_t, condition_count> counts{};  // counterexamples found, by condition
+  std::int64_t found_by_sampling = 0;                  // of these, by sources that sample uniformly
+  std::int64_t pool = 0;                               // counterexamples kept for training
+  double safe_share = 0.0;                             // of the label points, those with safe rollouts
+  Stage stage = Stage::search;
+  double seconds = 0.0;  // of training since its start, interruptions left out
+
+  std::int64_t counterexamples() const {
+    return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+  }
+  bool clean() const { return round > 0 && counterexamples() == 0; }
+};
+
+}  // namespace s2nnds

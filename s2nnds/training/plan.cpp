@@ -1,0 +1,151 @@
+#include "s2nnds/training/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+using History = std::vector<RoundSummary>;
+
+// Below this factor of the rates a round hardly changes anything.
+constexpr double kLeastRate = 0.05;
+
+// With every restart these weights fall by these factors: what could not be certified must give way
+// somewhere. Where motions fan out before the obstacle, those that meet it come through a gap so narrow that
+// rollout labels which fill it leave no room for B to fall. The motion that is certified then may pass the
+// obstacle on the other side than the demonstrations.
+constexpr double kRelaxedImitation = 0.5;
+constexpr double kRelaxedRollouts = 0.3;
+
+// A round is nearly clean with fewer counterexamples than this, or if random search found none of them. The
+// next one refines: its rates are lower, so that what holds already stays, and the weights of what presses {B
+// = 0} against the motions, where Bdot < 0 is hard to meet, fall with every such round.
+constexpr std::int64_t kNearlyClean = 200;
+constexpr double kRefinedRate = 0.33;
+constexpr double kRefinedRollouts = 0.6;
+constexpr double kRefinedDecrease = 3.0;
+// So many refine in a row. A row that ends without success is followed by a round at full rates: what is left
+// may lie in the shape of the functions.
+constexpr std::int64_t kRefiningRounds = 4;
+
+constexpr double kFinetunedImitation = 10.0;  // at first; see careful()
+constexpr double kFinetunedRate = 0.3;        // what is certified must stay nearly as it is
+
+constexpr double kEnlargedRollouts = 4.0;  // at first; see careful()
+constexpr double kEnlargedMargins = 2.0;   // of the conditions on B, which its growth must not break
+constexpr double kEnlargedRate = 0.5;
+
+// Factors of a weight after a round that ended clean, and after one that did not and was undone.
+constexpr double kAdvance = 1.5, kRetreat = 0.5;
+
+bool labels_rollouts(const TrainerOptions& options) {
+  return options.rollout_points > 0 && options.loss.weight[LossTerm::rollout_safety] > 0.0;
+}
+
+std::int64_t rounds_in(const History& history, Stage stage) {
+  return std::count_if(history.begin(), history.end(),
+                       [=](const RoundSummary& row) { return row.stage == stage; });
+}
+
+bool is_nearly_clean(const RoundSummary& row, const TrainerOptions& options) {
+  if (row.round < options.min_rounds || row.stage != Stage::search) return false;
+  return row.counterexamples() < kNearlyClean || row.found_by_sampling == 0;
+}
+
+std::int64_t refining_round(const History& history, const TrainerOptions& options) {
+  if (!options.refine) return 0;
+  const auto other = std::find_if(history.rbegin(), history.rend(),
+                                  [&](const RoundSummary& row) { return !is_nearly_clean(row, options); });
+  return std::distance(history.rbegin(), other) % (kRefiningRounds + 1);
+}
+
+// A weight's factor: `first`, less after each round of the stage that was undone, but no less than 1.
+double careful(const History& history, Stage stage, double first) {
+  double factor = first;
+  for (const RoundSummary& row : history) {
+    if (row.stage == stage) factor = std::clamp(factor * (row.clean() ? kAdvance : kRetreat), 1.0, first);
+  }
+  return factor;
+}
+
+RoundPlan search_plan(const History& history, const TrainerOptions& options) {
+  const std::int64_t round = history.back().round;  // from 0
+  const std::int64_t period =
+      options.rate_period > 0 ? options.rate_period : std::numeric_limits<std::int64_t>::max();
+  const auto age = static_cast<double>(round % period), restarts = static_cast<double>(round / period);
+  RoundPlan plan = {.rate = std::max(kLeastRate, std::pow(options.rate_decay, age)), .loss = options.loss};
+  PerTerm<double>& weight = plan.loss.weight;
+  plan.starts_anew = restarts > 0.0 && age == 0.0;
+  plan.backtracks = options.backtrack && weight[LossTerm::barrier_decrease] > 0.0;  // else B is no barrier
+  const auto press_less = [&](double factor, double times) {
+    weight[LossTerm::rollout_safety] *= std::pow(factor, times);
+    weight[LossTerm::obstacle_normal] *= std::pow(factor, times);
+  };
+  if (options.relax_weights) {
+    weight[LossTerm::imitation] *= std::pow(kRelaxedImitation, restarts);
+    press_less(kRelaxedRollouts, restarts);
+  }
+  plan.refining = plan.starts_anew ? 0 : refining_round(history, options);
+  if (plan.refining == 0) return plan;
+  plan.rate *= kRefinedRate;
+  press_less(kRefinedRollouts, static_cast<double>(plan.refining));
+  weight[LossTerm::barrier_decrease] *= kRefinedDecrease;
+  return plan;
+}
+
+RoundPlan imitation_finetune_plan(const History& history, const TrainerOptions& options) {
+  RoundPlan plan = {.stage = Stage::imitation_finetune,
+                    .undone_unless_clean = true,
+                    .rate = kFinetunedRate,
+                    .loss = options.loss};
+  plan.loss.weight[LossTerm::imitation] *= careful(history, Stage::imitation_finetune, kFinetunedImitation);
+  return plan;
+}
+
+// What concerns B alone.
+RoundPlan enlarge_plan(const History& history, const TrainerOptions& options) {
+  RoundPlan plan = {.stage = Stage::enlarge,
+                    .only_barrier = true,
+                    .undone_unless_clean = true,
+                    .rate = kEnlargedRate,
+                    .loss = options.loss};
+  PerTerm<double>& weight = plan.loss.weight;
+  weight[LossTerm::imitation] = weight[LossTerm::lyapunov] = weight[LossTerm::obstacle_normal] = 0.0;
+  weight[LossTerm::rollout_safety] *= careful(history, Stage::enlarge, kEnlargedRollouts);
+  weight[LossTerm::barrier_sets] *= kEnlargedMargins;
+  weight[LossTerm::barrier_decrease] *= kEnlargedMargins;
+  return plan;
+}
+
+RoundPlan stage_plan(const History& history, const TrainerOptions& options) {
+  if (!has_clean_round(history, options)) {
+    if (history.back().round >= options.rounds) return {.finished = true};
+    return search_plan(history, options);
+  }
+  if (rounds_in(history, Stage::imitation_finetune) < options.imitation_finetune_rounds)
+    return imitation_finetune_plan(history, options);
+  // Without rollouts nothing tells where B may be smaller.
+  if (!labels_rollouts(options) || rounds_in(history, Stage::enlarge) >= options.enlarge_rounds)
+    return {.finished = true};
+  return enlarge_plan(history, options);
+}
+
+}  // namespace
+
+bool has_clean_round(const History& history, const TrainerOptions& options) {
+  return std::any_of(history.begin(), history.end(),
+                     [&](const RoundSummary& row) { return row.round >= options.min_rounds && row.clean(); });
+}
+
+RoundPlan plan(const History& history, const TrainerOptions& options) {
+  check(!history.empty(), "training plan: found no rounds, expected the warm start's at least");
+  RoundPlan next = stage_plan(history, options);
+  next.labels_rollouts = labels_rollouts(options);
+  return next;
+}
+
+}  // namespace s2nnds

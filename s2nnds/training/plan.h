@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "s2nnds/training/history.h"
+#include "s2nnds/training/trainer_options.h"
+
+namespace s2nnds {
+
+// What the next round of training does.
+struct RoundPlan {
+  bool finished = false;  // there is no next round; the rest means nothing then
+  Stage stage = Stage::search;
+  std::int64_t refining = 0;         // place in a row of rounds that refine, from 1; 0: does not refine
+  bool starts_anew = false;          // the rates are back at their full height, and B is drawn anew
+  bool labels_rollouts = false;      // fresh points are labelled by their rollouts first
+  bool backtracks = false;           // motions that violate a condition are followed back first
+  bool only_barrier = false;         // f and V stay as they are
+  bool undone_unless_clean = false;  // networks that do not end clean give way to those from before
+  double rate = 1.0;                 // factor of all rates
+  LossOptions loss = {};             // with the weights of this round
+};
+
+// The schedule of training, from the rounds so far (history[k].round == k, the warm start first) and the
+// options alone:
+// - search, until a round of at least min_rounds ends clean, or `rounds` have ended. Rates fall from round to
+//   round. Every rate_period rounds they start anew, and weights are relaxed. A round after one that was
+//   nearly clean refines.
+// - imitation_finetune: all three networks are trained with more weight on the demonstrations, so that f
+//   comes nearer to what it would be without conditions.
+// - enlarge: B alone is trained, and rollout_safety weighs more, so that the safe set grows.
+// The last two keep only rounds that end clean, and each one that does not makes the next one of its stage more
+// careful. Throws Error if the history is empty.
+RoundPlan plan(const std::vector<RoundSummary>& history, const TrainerOptions& options);
+
+// Whether a round of at least min_rounds ended clean. All later ones keep it so.
+bool has_clean_round(const std::vector<RoundSummary>& history, const TrainerOptions& options);
+
+}  // namespace s2nnds

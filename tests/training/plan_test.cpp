@@ -1,0 +1,178 @@
+#include "s2nnds/training/plan.h"
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include "s2nnds/core/check.h"
+
+namespace s2nnds {
+namespace {
+
+// How a round ended.
+struct Round {
+  std::int64_t found = 0;         // counterexamples of any source
+  std::int64_t by_sampling = -1;  // of these, by random search; -1: all
+  Stage stage = Stage::search;
+};
+
+constexpr Round kBad{5000}, kClean{0}, kFew{199}, kHidden{900, 0};
+constexpr Round kFinetuned{0, -1, Stage::imitation_finetune}, kNotFinetuned{7, -1, Stage::imitation_finetune};
+constexpr Round kEnlarged{0, -1, Stage::enlarge}, kNotEnlarged{7, -1, Stage::enlarge};
+
+using Rounds = std::vector<Round>;
+
+Rounds operator*(std::size_t count, const Round& round) { return Rounds(count, round); }
+Rounds operator+(Rounds first, const Rounds& then) {
+  first.insert(first.end(), then.begin(), then.end());
+  return first;
+}
+
+std::vector<RoundSummary> history_of(const Rounds& rounds) {
+  std::vector<RoundSummary> history(1);  // the warm start
+  for (const Round& round : rounds) {
+    RoundSummary row;
+    row.round = static_cast<std::int64_t>(history.size());
+    row.counts.back() = round.found;
+    row.found_by_sampling = round.by_sampling < 0 ? round.found : round.by_sampling;
+    row.stage = round.stage;
+    history.push_back(row);
+  }
+  return history;
+}
+
+// In words: the weights are told as factors of those of the options, where they differ.
+std::string told(const RoundPlan& next, const TrainerOptions& options) {
+  if (next.finished) return "finished";
+  constexpr const char* stages[] = {"search", "imitation_finetune", "enlarge"};
+  std::string text = stages[static_cast<std::size_t>(next.stage)];
+  if (next.refining > 0) text += fmt::format(", refines ({})", next.refining);
+  if (next.starts_anew) text += ", starts anew";
+  if (next.labels_rollouts) text += ", labels";
+  if (next.backtracks) text += ", backtracks";
+  if (next.only_barrier) text += ", only B";
+  if (next.undone_unless_clean) text += ", may be undone";
+  text += fmt::format("; rate {:.4g}", next.rate);
+  for (const LossTerm term : all_loss_terms) {
+    const double before = options.loss.weight[term], now = next.loss.weight[term];
+    if (now != before) text += fmt::format(", {} {:.4g}", to_string(term), now / before);
+  }
+  return text;
+}
+
+struct Case {
+  const char* about;
+  Rounds rounds;
+  std::string plan;
+};
+
+void expect_plans(const TrainerOptions& options, const std::vector<Case>& cases) {
+  for (const Case& each : cases)
+    EXPECT_EQ(told(plan(history_of(each.rounds), options), options), each.plan) << each.about;
+}
+
+const Rounds kFirstClean = 4 * kBad + Rounds{kClean};
+const std::string kSearch = "search, labels, backtracks; rate ",
+                  kAnew = "search, starts anew, labels, backtracks; rate 1",
+                  kFinetune = "imitation_finetune, labels, may be undone; rate 0.3",
+                  kEnlarge =
+                      "enlarge, labels, only B, may be undone; rate 0.5, imitation 0, lyapunov 0, "
+                      "barrier_sets 2, barrier_decrease 2";
+
+TEST(Plan, SearchesAtFallingRates) {
+  expect_plans({}, {{"warm start", {}, kSearch + "1"},
+                    {"one round", {kBad}, kSearch + "0.9"},
+                    {"clean too early", {kBad, kClean}, kSearch + "0.81"},
+                    {"nearly clean too early", {kBad, kBad, kFew}, kSearch + "0.729"}});
+  TrainerOptions options;
+  options.rate_period = 0;
+  expect_plans(options, {{"never anew", 20 * kBad, kSearch + "0.1216"},
+                         {"the least rate", 35 * kBad, kSearch + "0.05"}});
+}
+
+TEST(Plan, StartsAnewWithRelaxedWeights) {
+  const std::string once = ", imitation 0.5, rollout_safety 0.3, obstacle_normal 0.3";
+  expect_plans({},
+               {{"before", 9 * kBad, kSearch + "0.3874"},
+                {"once", 10 * kBad, kAnew + once},
+                {"it lasts", 11 * kBad, kSearch + "0.9" + once},
+                {"twice", 20 * kBad, kAnew + ", imitation 0.25, rollout_safety 0.09, obstacle_normal 0.09"},
+                {"nearly clean", 9 * kBad + Rounds{kFew}, kAnew + once}});
+  TrainerOptions options;
+  options.rate_period = 2;
+  options.relax_weights = false;
+  expect_plans(options, {{"weights stay", 4 * kBad, kAnew}});
+}
+
+TEST(Plan, RefinesWhatIsNearlyCleanFourTimesInARow) {
+  TrainerOptions options;
+  options.rate_period = 0;
+  const std::string rest = ", barrier_decrease 3, rollout_safety ",
+                    first = "search, refines (1), labels, backtracks; rate 0.1949" + rest +
+                            "0.6, obstacle_normal 0.6";
+  expect_plans(
+      options,
+      {{"few", 4 * kBad + Rounds{kFew}, first},
+       {"none by sampling", 4 * kBad + Rounds{kHidden}, first},
+       {"too many", 4 * kBad + Rounds{{200}}, kSearch + "0.5905"},
+       {"second", 4 * kBad + Rounds{kFew, kHidden},
+        "search, refines (2), labels, backtracks; rate 0.1754" + rest + "0.36, obstacle_normal 0.36"},
+       {"fourth", 4 * kBad + 4 * kFew,
+        "search, refines (4), labels, backtracks; rate 0.1421" + rest + "0.1296, obstacle_normal 0.1296"},
+       {"then one at full rates", 4 * kBad + 5 * kFew, kSearch + "0.3874"},
+       {"then again", 4 * kBad + 6 * kFew,
+        "search, refines (1), labels, backtracks; rate 0.1151" + rest + "0.6, obstacle_normal 0.6"},
+       {"a bad round ends the row", 4 * kBad + Rounds{kFew, kBad}, kSearch + "0.5314"}});
+  options.refine = false;
+  expect_plans(options, {{"off", 4 * kBad + Rounds{kFew}, kSearch + "0.5905"}});
+}
+
+TEST(Plan, FineTunesAfterTheFirstCleanRoundAndIsMoreCarefulAfterFailures) {
+  expect_plans(
+      {},
+      {{"first clean round", kFirstClean, kFinetune + ", imitation 10"},
+       {"failed", kFirstClean + 1 * kNotFinetuned, kFinetune + ", imitation 5"},
+       {"failed twice", kFirstClean + 2 * kNotFinetuned, kFinetune + ", imitation 2.5"},
+       {"no less than 1", kFirstClean + 5 * kNotFinetuned, kFinetune},
+       {"dares more again", kFirstClean + 2 * kNotFinetuned + 1 * kFinetuned, kFinetune + ", imitation 3.75"},
+       {"no more than at first", kFirstClean + 2 * kFinetuned, kFinetune + ", imitation 10"},
+       {"the end of it", kFirstClean + 6 * kFinetuned, kEnlarge + ", rollout_safety 4, obstacle_normal 0"}});
+}
+
+TEST(Plan, ThenEnlargesAndEnds) {
+  TrainerOptions options;
+  options.imitation_finetune_rounds = 0;
+  options.enlarge_rounds = 3;
+  expect_plans(options,
+               {{"first clean round", kFirstClean, kEnlarge + ", rollout_safety 4, obstacle_normal 0"},
+                {"it grew", kFirstClean + 1 * kEnlarged, kEnlarge + ", rollout_safety 4, obstacle_normal 0"},
+                {"failed", kFirstClean + Rounds{kEnlarged, kNotEnlarged},
+                 kEnlarge + ", rollout_safety 2, obstacle_normal 0"},
+                {"failed twice", kFirstClean + 2 * kNotEnlarged, kEnlarge + ", obstacle_normal 0"},
+                {"the end", kFirstClean + Rounds{kEnlarged, kNotEnlarged, kEnlarged}, "finished"}});
+  options.rollout_points = 0;
+  expect_plans(options, {{"nothing to enlarge by", kFirstClean, "finished"}});
+}
+
+TEST(Plan, EndsWithoutACertificate) {
+  TrainerOptions options;
+  options.rounds = 7;
+  expect_plans(options, {{"one to go", 6 * kBad, kSearch + "0.5314"}, {"none to go", 7 * kBad, "finished"}});
+  EXPECT_FALSE(has_clean_round(history_of(7 * kBad), options));
+  EXPECT_FALSE(has_clean_round(history_of({kBad, kClean}), options)) << "before min_rounds";
+  EXPECT_TRUE(has_clean_round(history_of(kFirstClean + 1 * kNotFinetuned), options));
+}
+
+TEST(Plan, AsksForNoMoreThanTheOptionsDo) {
+  TrainerOptions options;
+  options.backtrack = false;
+  expect_plans(options, {{"no backtracking", {kBad}, "search, labels; rate 0.9"}});
+  options.rollout_points = 0;
+  expect_plans(options, {{"no labels either", {kBad}, "search; rate 0.9"}});
+  expect_plans(imitation_training(),
+               {{"f alone", {kBad}, "search; rate 0.9"}, {"its end", 5 * kBad, "finished"}});
+  expect_plans(paper_training(), {{"the paper's", 10 * kFew, "search; rate 0.3487"}});
+  EXPECT_THROW(plan({}, options), Error);
+}
+
+}  // namespace
+}  // namespace s2nnds
