@@ -13,8 +13,8 @@ struct SafetyProblem {
   Box workspace;      // X
   RegionPtr initial;  // X0
   RegionPtr unsafe;   // Xu, the obstacle
-  // {x : |x|_inf >= containment * workspace}, closed: entering it counts as leaving the workspace. Null if the
-  // safe set need not be contained.
+  // {x : |x|_inf >= containment * workspace}, closed: entering it counts as leaving the workspace. Null if
+  // the safe set need not be contained.
   RegionPtr workspace_margin;
 
   Eigen::Index dimension() const { return workspace.dimension(); }

@@ -26,8 +26,8 @@ inline constexpr Eigen::Index correction_points =
     64;  // of motions followed back to X0, beside the demonstrations
 inline constexpr Eigen::Index boundary_points_drawn = 128;  // of the obstacle's boundary
 
-// Draws training batches. What it knows of the networks (points near {B = 0}, rollout labels, repairs) is
-// handed to it.
+// Draws training batches. What it knows of the networks (points near {B = 0}, rollout labels, motions
+// followed back) is handed to it.
 class BatchSampler {
  public:
   // Demonstration samples too near to the unsafe set (options.obstacle_margin) are left out. Points of the

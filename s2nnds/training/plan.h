@@ -29,8 +29,8 @@ struct RoundPlan {
 // - imitation_finetune: all three networks are trained with more weight on the demonstrations, so that f
 //   comes nearer to what it would be without conditions.
 // - enlarge: B alone is trained, and rollout_safety weighs more, so that the safe set grows.
-// The last two keep only rounds that end clean, and each one that does not makes the next one of its stage more
-// careful. Throws Error if the history is empty.
+// The last two keep only rounds that end clean, and each one that does not makes the next one of its stage
+// more careful. Throws Error if the history is empty.
 RoundPlan plan(const std::vector<RoundSummary>& history, const TrainerOptions& options);
 
 // Whether a round of at least min_rounds ended clean. All later ones keep it so.

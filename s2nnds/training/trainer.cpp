@@ -3,6 +3,7 @@
 #include <torch/torch.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -53,6 +54,32 @@ double annealed(std::int64_t step, std::int64_t steps) {
   const double rise = std::min(1.0, static_cast<double>(step + 1) / static_cast<double>(kRateRise));
   return rise * (kRateAtEnd + (1.0 - kRateAtEnd) * fall);
 }
+
+// The optimisers of a round. Each round starts afresh, so that a checkpoint needs no optimiser state.
+class Descent {
+ public:
+  Descent(const Modules& modules, const TrainerOptions& options, bool only_barrier)
+      : parameters_{modules.f->network->theta, modules.V->network->theta, modules.B->network->theta},
+        rates_{options.rate_f, options.rate_certificates, options.rate_certificates},
+        optimizers_{FlatAdam(options.weight_decay), FlatAdam(0.0), FlatAdam(0.0)},
+        first_trained_(only_barrier ? 2 : 0) {}
+
+  // One step of the networks that are trained, at `factor` times their rates.
+  void step(const torch::Tensor& loss, double factor) {
+    for (torch::Tensor& parameter : parameters_) parameter.mutable_grad() = torch::Tensor();
+    loss.backward();
+    for (std::size_t k = first_trained_; k < parameters_.size(); ++k) {
+      optimizers_[k].step(factor * rates_[k], parameters_[k].numel(), parameters_[k].grad().data_ptr<float>(),
+                          parameters_[k].data_ptr<float>());
+    }
+  }
+
+ private:
+  std::array<torch::Tensor, 3> parameters_;  // of f, V and B
+  std::array<double, 3> rates_;
+  std::array<FlatAdam, 3> optimizers_;
+  std::size_t first_trained_;
+};
 
 }  // namespace
 
@@ -159,15 +186,9 @@ class Trainer::Impl {
     if (now.labels_rollouts) label(row);
     seek_backtracked(now);
     if (now.starts_anew) redraw_barrier(round);
-    // Each round starts afresh, so that a checkpoint needs no optimiser state.
-    std::vector<FlatAdam> optimizers(3, FlatAdam(0.0));
-    optimizers[0] = FlatAdam(options_.weight_decay);
-    torch::Tensor parameters[] = {modules_.f->network->theta, modules_.V->network->theta,
-                                  modules_.B->network->theta};
-    const double rates[] = {options_.rate_f, options_.rate_certificates, options_.rate_certificates};
+    Descent descent(modules_, options_, now.only_barrier);
     JointLoss loss(modules_, loss_table(now.loss), now.loss, engine_from(options_.engine),
                    now.only_barrier ? Trains::barrier : Trains::all);
-    const std::size_t first_trained = now.only_barrier ? 2 : 0;
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     const auto seeks_band = [](std::int64_t step) { return step % kBandRefresh == 0; };
     const auto draw = [&] { return transform<torch::Tensor>(sampler_.draw(random), tensor); };
@@ -183,12 +204,7 @@ class Trainer::Impl {
       }
       if (step + 1 < options_.steps && !seeks_band(step + 1)) drawing.start([&] { next = draw(); });
       const LossValue value = loss(batch);
-      for (torch::Tensor& parameter : parameters) parameter.mutable_grad() = torch::Tensor();
-      value.total.backward();
-      for (std::size_t k = first_trained; k < optimizers.size(); ++k) {
-        optimizers[k].step(now.rate * annealed(step, options_.steps) * rates[k], parameters[k].numel(),
-                           parameters[k].grad().data_ptr<float>(), parameters[k].data_ptr<float>());
-      }
+      descent.step(value.total, now.rate * annealed(step, options_.steps));
       const double share = 1.0 / static_cast<double>(options_.steps);
       row.loss += share * value.total.item<double>();
       for (const LossTerm term : all_loss_terms) row.loss_terms[term] += share * value.terms[term];

@@ -18,8 +18,8 @@ struct WarmStartOptions {
   void visit(FieldVisitor& v);
 };
 
-// The losses of the joint training: the weighted sum of the terms of loss_term.h, whose formulas are in a file
-// each, loss_<term>.h. `paper` takes those of the paper's (7) and (8) as printed where they differ.
+// The losses of the joint training: the weighted sum of the terms of loss_term.h, whose formulas are in a
+// file each, loss_<term>.h. `paper` takes those of the paper's (7) and (8) as printed where they differ.
 struct LossOptions {
   std::string kind = "robust";  // robust, paper: the profile says which
   PerTerm<double> weight = {{
@@ -72,8 +72,8 @@ struct TrainerOptions {
   double rate_f = 1e-3;             // Adam's rate for f
   double rate_certificates = 5e-3;  // Adam's rate for V and B
   double rate_decay = 0.9;          // factor of the rates from round to round
-  // Rounds after which the rates start anew, with a B drawn anew: small rates do not leave a bad shape, and
-  // no training mends some shapes. 0: never.
+  // Rounds after which the rates start anew, with a B drawn anew: low rates do not change a bad shape, and
+  // some shapes no training changes. 0: never.
   std::int64_t rate_period = 10;
   bool relax_weights = true;     // with every new start imitation, rollout_safety, obstacle_normal weigh less
   bool refine = true;            // a round after one that was nearly clean trains carefully

@@ -59,7 +59,7 @@ TEST(SafetyProblem, AutomaticInitialSets) {
   EXPECT_FALSE(round.initial->contains(Vector{{0.9, 0.63}}));
 }
 
-TEST(SafetyProblem, TheShellIsTheClosedOutsideOfTheContainedWorkspace) {
+TEST(SafetyProblem, TheWorkspaceMarginIsTheClosedOutsideOfTheContainedWorkspace) {
   ProblemOptions options;
   options.workspace = 2.0;
   options.containment = 0.75;

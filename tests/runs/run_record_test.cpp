@@ -381,8 +381,10 @@ TEST(RunRecord, ForeignFilesAreErrors) {
   }
   EXPECT_EQ(error_of([&] { load_run(path); }),
             path + ": expected a run file, found HDF5 without a schema_version");
-  EXPECT_EQ(error_of([&] { save_run(directory.file("missing/run.h5"), unusual_record()); }),
-            directory.file("missing/run.h5") + ": cannot make the file: No such file or directory");
+  const std::string unwritten =
+      error_of([&] { save_run(directory.file("missing/run.h5"), unusual_record()); });
+  EXPECT_TRUE(unwritten.starts_with(directory.file("missing/run.h5") + ": cannot write")) << unwritten;
+  EXPECT_TRUE(unwritten.ends_with("No such file or directory")) << unwritten;
 }
 
 TEST(RunRecord, AFullDiskLeavesTheOldRun) {
