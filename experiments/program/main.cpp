@@ -9,6 +9,7 @@
 #include <csignal>
 
 #include "commands.h"
+#include "keys_command.h"
 #include "log.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/deployment/export_format.h"
@@ -124,6 +125,8 @@ int run(int argc, char** argv) {
   sub->add_option("run", told.run, "run file")->required();
   sub->add_flag("--all", told.all, "also conditions, configuration, the last rounds, hashes, versions");
   sub->callback([&] { code = info(told, common); });
+
+  app.add_subcommand("keys", "list every key of a configuration (JSON)")->callback([&] { code = keys(); });
 
   try {
     app.parse(argc, argv);
