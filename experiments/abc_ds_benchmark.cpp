@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Tables II and III and Fig. 4: four LASA motions with polynomial obstacles, against ABC-DS.
 //
 // ABC-DS finds polynomials f, V, B by sums of squares with bilinear matrix inequalities; its published

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """How well regressions do that certify nothing, on the problems of the tables lasa_table and abc_ds_benchmark.
 
     experiments/baselines.py --data DATA [--out FILE] [CONFIG ...]

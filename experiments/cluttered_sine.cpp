@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Fig. 5: LASA Sine below an obstacle whose edge is a sine itself.
 //
 // Expected: every seed `invariant`.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Writes experiments/configs/README.md: every configuration key with its default, what it may be, and its meaning.
 
 Keys, defaults and ranges come from `s2nnds keys`; the meaning is the comment beside the field in the library's headers.

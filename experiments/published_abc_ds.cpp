@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "published_abc_ds.h"
 
 #include <fstream>

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # From a clean clone to a learned and verified motion: installs what is missing, builds Release, learns a motion
 # that is shipped inside, verifies it, exports the policy and draws the figures. Everything lands in build/.
 # Usage: bash experiments/quickstart.sh

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Puts the tables of the results files into Markdown pages, or checks that they are there.
 
     experiments/readme_tables.py [PAGE.md...]            writes the pages

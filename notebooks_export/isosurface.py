@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The surface {level = 0} of samples on a 3-D grid, as triangles, by marching tetrahedra."""
 
 import numpy as np

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Lets Optuna choose the settings: asks it for them, trains with the command line's --json, tells it the result.
 
     optuna_sweep.py SWEEP.toml --trials 50 --out FOLDER [--data DIR] [--program s2nnds] [--threads 1]

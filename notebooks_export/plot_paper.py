@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Figures of several runs in one, as the paper arranges them.
 
     plot_paper.py panels FIGURE RUN.h5...                 the phase portraits of planar runs side by side (Fig. 2)

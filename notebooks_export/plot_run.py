@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Figures of one run, from its run file alone, in the data's unit and frame.
 
     plot_run.py RUN.h5 --out DIR [--format png|pdf]

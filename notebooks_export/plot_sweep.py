@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Figures of a sweep, from its table alone.
 
     plot_sweep.py SWEEP-FOLDER/table.h5 --out DIR [--format png|pdf]

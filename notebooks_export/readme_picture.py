@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """The README's picture: the phase portrait of a certified run, with its certificate line.
 
     readme_picture.py --program build/release/experiments/s2nnds [--out phase_portrait.png]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Reads the run files of s2nnds (HDF5, schema 2) with numpy and h5py alone.
 
     from s2nnds_run import Run

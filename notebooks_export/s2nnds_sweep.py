@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Reads the table of a sweep (table.h5 in its folder). Needs numpy and h5py.
 
     from s2nnds_sweep import Sweep

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs the notebooks on a small run of the program: test_notebooks.py S2NNDS."""
 
 import json

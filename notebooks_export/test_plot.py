@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Tests of the run reader and the figures on synthetic run files.
 
 /usr/bin/python3 notebooks_export/test_plot.py

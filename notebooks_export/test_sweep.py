@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """The reader, the figures and the notebook of sweeps, on a table that is made here."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The folders of s2nnds/ are layers: a file includes its own folder and layers below, never those beside or above.
 
 Run without arguments. Prints every line that breaks a rule, and fails if there is one.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Installs what is missing, builds Release and runs the fast tests.
 # Usage: bash tests/run.sh [-DOPTION=VALUE]...   (options for CMake)
 set -euo pipefail

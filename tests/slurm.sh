@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # A sweep on a real Slurm: controller, node daemon and munge on this machine, from Debian's packages, with a configuration
 # of their own below a temporary folder. Submits an array of eight trials, kills one trial, kills one whole task, requeues
 # a third, restarts the node daemon in the middle; at the end everything must be there, and the disturbed trials must

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Installs the Debian packages that the project needs, those that are missing and no others. Safe to run again.
 # Needs root or sudo only when something is missing. Usage: bash third_party/install.sh
 set -euo pipefail

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "keys_command.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // s2nnds: learns a motion from demonstrations and certifies it. See README.md for the commands.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "sweep_slurm.h"
 
 #include <fmt/format.h>

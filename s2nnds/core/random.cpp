@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/core/random.h"
 
 #include <boost/random/normal_distribution.hpp>

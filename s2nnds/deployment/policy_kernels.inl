@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The part of an exported C++ header that is the same for every policy: dense layers and activations, inside
 // the policy's namespace `detail` and behind networks/simd_exponential.inl. It needs <cmath> and <utility>.
 // Against exact arithmetic its activations are wrong by at most 3 units in the last place (of 1, where they

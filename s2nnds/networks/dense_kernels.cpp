@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/networks/dense_kernels.h"
 
 #include "s2nnds/networks/instruction_set.h"

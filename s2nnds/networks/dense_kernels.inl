@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The source of the dense kernels, included once per instruction set with
 //   S2NNDS_KERNEL_SPACE  the namespace
 //   SIMD_REGISTER_BYTES  the register width

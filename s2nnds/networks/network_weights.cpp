@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/networks/network_weights.h"
 
 #include <openssl/evp.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Packs of numbers, one a vector register, and exp on them. Included inside a namespace, once for each width
 // of registers, and part of every exported C++ header: it uses nothing but <cfloat>, <cmath>, <cstdint> and
 // <cstring>, and SIMD_REGISTER_BYTES, the width; 0: no vector types, a pack is one number.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/runs/verification_run.h"
 
 #include "s2nnds/core/check.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/training/autograd_loss.h"
 
 namespace s2nnds {

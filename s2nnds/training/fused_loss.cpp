@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/training/fused_loss.h"
 
 #ifdef __SSE2__

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/training/loss_table.h"
 
 #include "s2nnds/training/loss_barrier_decrease.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/verification/goal_neighbourhood.h"
 
 namespace s2nnds {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The source of the Taylor kernels, included once per instruction set with S2NNDS_KERNEL_SPACE, the
 // namespace, and SIMD_REGISTER_BYTES, the register width. Only GCC's vector extensions and the C library's
 // functions are used, so that no inline function compiled for a newer processor can reach the rest of the

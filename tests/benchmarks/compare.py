@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """The measuring half of compare.sh: runs the programs in turns and makes ratios of medians."""
 
 import argparse

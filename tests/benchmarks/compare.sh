@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Times the peer (eager PyTorch doing the same work) and ours in turns, and prints the ratios as one JSON object on its
 # last line. Builds the benchmarks first.
 # Usage: compare.sh [--rounds N] [--steps N] [--threads N...] [--peer SCRIPT] [--out FILE.json] [--baseline]

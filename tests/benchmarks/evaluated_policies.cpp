@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "evaluated_policies.h"
 
 #include "width_128.h"

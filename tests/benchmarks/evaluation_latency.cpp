@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The time of single calls of f (2-64-64-64-2), a million of them: the exported header and the TorchScript
 // policy. Prints one JSON object, microseconds. A call's time includes that of reading the clock. Usage:
 // evaluation_latency [CALLS]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How fast this machine multiplies matrices [1024, 1024]: the fastest of the libraries found at run time
 // (OpenBLAS, by $S2NNDS_OPENBLAS or its name; oneDNN, which LibTorch brings) and Eigen compiled for this
 // processor. A program of its own, so that Eigen for this processor never meets the library's. Prints one

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How a training step, scoring, a proof and one evaluation of f grow with width, dimension and samples.
 // compare.sh --growth prints the table; or run it by hand: growth_benchmark --benchmark_filter=step
 #include <benchmark/benchmark.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Our side of compare.sh: the work of the peer's script, timed as it times it. Prints one JSON object; times
 // are medians in seconds. Usage: paired_timing [--threads N] [--steps N] [--repeats N]
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Writes the policy that the evaluation benchmarks run, f of 2-WIDTH-WIDTH-WIDTH-2 with random weights, as a
 // header and as TorchScript: FOLDER/width_WIDTH.h and .pt. Run by the build. Usage: policy_exporter FOLDER
 // WIDTH...

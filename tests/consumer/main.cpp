@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reads a motion that is shipped inside, evaluates the law x' = -x at its starts, and returns 0 if that went
 // well.
 #include <cstdio>

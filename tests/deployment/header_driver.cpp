@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Compiled by cpp_header_test with POLICY_HEADER and POLICY_NAMESPACE set: reads points [dimension] from
 // stdin, writes velocity, lyapunov, barrier and safe of each to stdout as hexadecimal numbers, and last how
 // often memory was allocated while they were computed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The published ABC-DS polynomials give the published figures: that pins down the definitions of MSE, SD and
 // area.
 #include <gtest/gtest.h>

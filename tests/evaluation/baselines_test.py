@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The regressions of experiments/baselines.py, and the figures that it gives them, where the answers are known."""
 
 import os

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A callable is evaluated by the same code as a network.
 #include "s2nnds/evaluation/state_function.h"
 

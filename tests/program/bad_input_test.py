@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Bad input gives one clear line on stderr and exit code 2, and overwrites nothing."""
 
 import os

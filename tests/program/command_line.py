@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The program s2nnds as the tests of this folder call it. The first argument of each test is its path."""
 
 import math

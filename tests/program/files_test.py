@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """What leaves the program: the exported policies against the run file's own networks, and the figures."""
 
 import os

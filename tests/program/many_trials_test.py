@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Two thousand trials of one sweep, each a shell script that writes a result: what is measured is the sweep itself."""
 
 import os

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Optuna chooses the settings of trials that the command line runs. Skipped where there is no optuna; S2NNDS_PYTHON names
 a Python that has it."""
 

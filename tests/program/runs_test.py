@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Training and verifying through the command line: reproducible, resumable, with the promised exit codes."""
 
 import json

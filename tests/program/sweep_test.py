@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Sweeps through the command line: the same trials whatever happens on the way, and nothing lost."""
 
 import csv

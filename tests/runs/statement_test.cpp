@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a certificate says in words must follow from its verdicts, and must not say more.
 #include "s2nnds/runs/statement.h"
 

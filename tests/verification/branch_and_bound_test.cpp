@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/verification/branch_and_bound.h"
 
 #include <gtest/gtest.h>

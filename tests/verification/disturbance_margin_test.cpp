@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/verification/disturbance_margin.h"
 
 #include <gtest/gtest.h>
