@@ -15,38 +15,44 @@
 
 namespace s2nnds {
 
+// How a run's networks are verified, and the settings of each method.
 struct VerificationOptions {
   // What `train` ends with: sampled, conformal, or proof. With proof, the prover's open boxes also go back
   // into training.
   Method method = Method::proof;
-  SampledOptions sampled;
-  ConformalOptions conformal;
-  ProofOptions proof;
+  SampledOptions sampled;      // of the method sampled
+  ConformalOptions conformal;  // of the method conformal
+  ProofOptions proof;          // of the method proof: limits, which end it undecided
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names each field once
 };
 
+// How a run's motion is measured.
 struct EvaluationOptions {
-  RolloutOptions rollout;
-  std::int64_t area_cells = 0;     // cells a side of the safe-area grid; 0: 200 in 2-D, 40 in 3-D
-  std::int64_t grid_points = 161;  // points a side of the grid stored for figures (2-D; 41 in 3-D)
+  RolloutOptions rollout;  // of the motions from the demonstrations' first points
+  // Cells a side of the grid on which the safe area is measured, 0 to 2000; 0: 200 in 2-D, 40 in 3-D. In more
+  // dimensions the number of Sobol points in all; 0: 40,000.
+  std::int64_t area_cells = 0;
+  // Points a side of the grid stored for figures, 3 to 1001; at most 41 in 3-D, no grid in more dimensions.
+  std::int64_t grid_points = 161;
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names each field once
 };
 
 // Everything that determines a run: what a TOML file and the command line say, with a default beside every
 // field.
 struct Config {
-  std::string name = "motion";
-  std::string profile = "robust";  // whose defaults the other keys start from: robust, paper, imitation
-  std::int64_t seed = 0;
-  DataOptions data;
-  ProblemOptions problem;
-  NetworkOptions networks;
-  TrainerOptions training;
-  VerificationOptions verification;
-  EvaluationOptions evaluation;
+  std::string name = "motion";       // of the motion, for file names, tables and messages
+  std::string profile = "robust";    // whose defaults the other keys start from: robust, paper, imitation
+  std::int64_t seed = 0;             // of all random numbers of the run, >= 0
+  DataOptions data;                  // demonstrations, and how they are split
+  ProblemOptions problem;            // workspace X, initial set X0 and unsafe set Xu
+  NetworkOptions networks;           // shapes and activations of f, V and B
+  TrainerOptions training;           // losses, rates, rounds and stages
+  VerificationOptions verification;  // how the trained networks are checked
+  EvaluationOptions evaluation;      // how the trained motion is measured
 
+  // Names each field once. When a profile is read, all fields but `name` first take its defaults.
   void visit(FieldVisitor& v);
 };
 

@@ -13,6 +13,7 @@ namespace s2nnds {
 // added behind the ProofSource, whose conditions it presumes.
 class DisturbanceFalsifier : public CounterexampleSource {
  public:
+  // `keep`: points that are handed on, at most.
   explicit DisturbanceFalsifier(std::int64_t keep = counterexamples_kept) : keep_(keep) {}
   bool only_when_clean() const override { return true; }
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,

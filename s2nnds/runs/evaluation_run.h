@@ -5,7 +5,8 @@
 
 namespace s2nnds {
 
-// Fills in errors, areas, the rollouts from the demonstrations' first points, and the grid for figures.
+// Fills in the record's `evaluation`, `rollouts` (from the first points of training and test demonstrations),
+// `grid` (n <= 3) and `timing.evaluation`, for its networks.
 void evaluate(const PreparedRun& setup, RunRecord& record);
 
 }  // namespace s2nnds

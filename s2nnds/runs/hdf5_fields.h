@@ -21,7 +21,8 @@ void write_fields(Hdf5Writer& file, const std::string& group, T fields) {
   options_detail::write_fields(file, group, [&](FieldVisitor& v) { fields.visit(v); });
 }
 
-// Throws Error naming the file and the attribute that is missing or of another type.
+// Reads what write_fields wrote into `group`. Throws Error naming the file and the attribute that is missing
+// or of another type.
 template <typename T>
 T read_fields(const Hdf5Reader& file, const std::string& group) {
   T fields;

@@ -10,19 +10,23 @@ namespace s2nnds {
 
 // A configuration made concrete: data read, normalised and split, the sets built and checked.
 struct PreparedRun {
-  Config config;
-  RunData data;
+  Config config;                              // that all else was made from
+  RunData data;                               // demonstrations as read, with frame and split
   std::vector<Demonstration> demonstrations;  // data.normalized()
-  SafetyProblem problem;
+  SafetyProblem problem;                      // X, X0 and Xu, normalised
 
+  // Normalised demonstrations for training.
   std::vector<Demonstration> train() const { return select(demonstrations, data.split.train); }
+  // Normalised demonstrations for testing, perhaps none.
   std::vector<Demonstration> test() const { return select(demonstrations, data.split.test); }
+  // Normalised demonstrations for choosing among runs, perhaps none.
   std::vector<Demonstration> validation() const { return select(demonstrations, data.split.validation); }
 };
 
-// Throws Error for whatever is wrong with the data or the sets.
+// Reads the data that the configuration names, from files below `data_dir`, and builds the sets. Throws Error
+// for whatever is wrong with the data or the sets.
 PreparedRun prepare(const Config& config, const std::string& data_dir);
-// The sets of a stored run, from its own configuration and demonstrations.
+// The same for a stored run, from its own configuration and demonstrations.
 PreparedRun prepare(const RunRecord& record, const std::string& data_dir);
 
 // A record with all that is known before training. `text` is the configuration as the user gave it.

@@ -13,6 +13,7 @@ namespace s2nnds {
 // decreases is asked only once all else is proved, and not again while f and V stay as they were.
 class ProofSource : public CounterexampleSource {
  public:
+  // `options`: limits of each proof; `keep`: points of each condition that are handed on, at most.
   explicit ProofSource(const ProofOptions& options, std::int64_t keep = counterexamples_kept)
       : options_(options), keep_(keep) {}
   bool only_when_clean() const override { return true; }

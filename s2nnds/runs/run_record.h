@@ -18,70 +18,77 @@
 
 namespace s2nnds {
 
-// What a run leaves behind, one struct a group of its HDF5 file. n is the dimension. All but RunData is in
-// normalised units (see data/frame.h) unless a field says otherwise.
-
+// The configuration of a run.
 struct RunConfig {
   std::string text;                                         // the TOML as the user gave it
   std::string resolved;                                     // TOML of every option with its value
   std::vector<std::pair<std::string, std::string>> values;  // the same by dotted key
 };
 
+// The demonstrations of a run.
 struct RunData {
-  std::int64_t dimension = 0;
-  Frame frame;
-  Split split;
+  std::int64_t dimension = 0;  // n, of positions
+  Frame frame;                 // how data as read becomes normalised
+  Split split;                 // which demonstrations train, test and validate
   // Every demonstration as read, in the data's unit and frame and in seconds; those held out included.
   std::vector<Demonstration> demonstrations;
 
+  // All demonstrations in normalised units. Throws Error as Frame::normalize does.
   std::vector<Demonstration> normalized() const { return frame.normalize(demonstrations); }
 };
 
+// The sets of a run.
 struct RunProblem {
-  std::string unsafe;  // Region::describe()
-  std::string initial;
-  double containment = 0.0;  // 0: off
-  double level_band = 0.0;   // eps_B
-  Box workspace;
+  std::string unsafe;   // the unsafe set Xu in words: Region::describe()
+  std::string initial;  // the initial set X0 in words
+  // Share of the workspace, in (0, 1), within which the safe set must lie; 0: off.
+  double containment = 0.0;
+  double level_band = 0.0;  // eps_B >= 0: Bdot < 0 is asked for where |B| <= level_band
+  Box workspace;            // X
 };
 
+// Stands for a figure that was not measured: NaN.
 inline constexpr double not_measured = std::numeric_limits<double>::quiet_NaN();
 
-// Figures of a motion's quality, in normalised units. Each is named here and in visit, and nowhere else.
+// Figures of a motion's quality, in normalised units (trajectory_metrics.h, safe_area.h). Those of test and
+// validation are measured only where such demonstrations are held out. Each is named here and in visit, and
+// nowhere else.
 struct EvaluationSummary {
-  double mse_train = not_measured;
-  double mse_test = not_measured;
-  double mse_validation = not_measured;  // of runs that hold demonstrations out for it
-  double sd_train = not_measured;
-  double sd_test = not_measured;
+  double mse_train = not_measured;  // mean of |f(x) - xdot|^2 over the samples of training demonstrations
+  double mse_test = not_measured;   // the same, of test demonstrations
+  double mse_validation = not_measured;  // the same, of validation demonstrations
+  double sd_train = not_measured;        // standard deviation of |f(x) - xdot|, training demonstrations
+  double sd_test = not_measured;         // the same, of test demonstrations
+  // Dynamic time warping distance (dtw) of rollouts to training demonstrations, mean over these.
   double dtw_train = not_measured;
-  double dtw_test = not_measured;
-  double dtw_independent_test = not_measured;
-  double safe_area = not_measured;
-  double true_safe_area = not_measured;
-  double safe_area_ratio = not_measured;
+  double dtw_test = not_measured;              // the same, to test demonstrations
+  double dtw_independent_test = not_measured;  // dtw_independent instead: each axis warped by itself, a sum
+  double safe_area = not_measured;             // of {B <= 0} within X; volume in 3-D
+  double true_safe_area = not_measured;        // of the starts whose rollout is safe and reaches the goal
+  double safe_area_ratio = not_measured;       // safe_area / true_safe_area
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names each field once
 };
 
 // How long each step of a run took, in seconds of wall clock.
 struct RunTiming {
-  double training = not_measured;
-  double first_clean_round = not_measured;  // of training, until a search ended without counterexamples
-  double verification_sampled = not_measured;
-  double verification_conformal = not_measured;
-  double verification_proof = not_measured;  // proof and disturbance_margin included
-  double proof = not_measured;
-  double disturbance_margin = not_measured;
-  double evaluation = not_measured;
+  double training = not_measured;                // train(), over all its continuations
+  double first_clean_round = not_measured;       // of training, until a search ended without counterexamples
+  double verification_sampled = not_measured;    // the last verify() by samples
+  double verification_conformal = not_measured;  // the last verify() by conformal calibration
+  double verification_proof = not_measured;  // the last verify() by proof: proof, disturbance_margin and more
+  double proof = not_measured;               // prove() alone
+  double disturbance_margin = not_measured;  // disturbance_margin() alone
+  double evaluation = not_measured;          // evaluate()
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names each field once
 };
 
+// A motion xdot = f(x), for figures.
 struct StoredRollout {
   std::string start_kind;  // where it started: "test", "train" (a demonstration's first point), "grid"
-  std::string stop;        // to_string(StopReason)
-  Vector time;             // [M]
+  std::string stop;        // why it ended: to_string(StopReason)
+  Vector time;             // [M] normalised, from 0
   Points position;         // [M, n]
 };
 
@@ -91,41 +98,44 @@ struct Grid {
   std::vector<Vector> axes;  // n axes of N0, N1, ... coordinates
   Vector unsafe;             // [N] level of the unsafe set
   Vector initial;            // [N] level of the initial set
-  Vector V;                  // [N]
-  Vector B;                  // [N]
+  Vector V;                  // [N] Lyapunov function
+  Vector B;                  // [N] barrier
   Points velocity;           // [N, n] f
 };
 
 // What training needs to go on from where it stopped, beside the networks.
 struct Checkpoint {
-  std::int64_t round = 0;  // rounds done
-  bool finished = false;
+  std::int64_t round = 0;                               // rounds done
+  bool finished = false;                                // training has ended; there is nothing to go on with
   std::vector<std::pair<std::string, Points>> points;   // [any, any] by name: pools, optimiser moments
   std::vector<std::pair<std::string, double>> numbers;  // by a name other than round and finished
 };
 
+// What a run leaves behind, one struct a group of its HDF5 file. n is the dimension. All but RunData is in
+// normalised units (see data/frame.h) unless a field says otherwise.
 struct RunRecord {
-  std::string program_version;
-  std::string library_versions;
-  std::string created;  // ISO 8601; with the seconds in `history`, `certificate` and `timing` all that
-                        // depends on time
-  std::string name;
-  std::int64_t seed = 0;
-  RunConfig config;
-  RunData data;
-  RunProblem problem;
+  std::string program_version;   // of the program that made it, see version.h
+  std::string library_versions;  // of what it was linked with
+  // ISO 8601; with the seconds in `history`, `certificate` and `timing` all that depends on time.
+  std::string created;
+  std::string name;                                     // Config::name
+  std::int64_t seed = 0;                                // Config::seed
+  RunConfig config;                                     // as given, and with every value
+  RunData data;                                         // demonstrations as read
+  RunProblem problem;                                   // the sets, in words and numbers
   std::vector<std::pair<std::string, Vector>> history;  // one column [rounds] a name
-  Networks networks;
-  Certificate certificate;
-  std::vector<std::pair<std::string, Points>>
-      open_boxes;  // by condition, [k, 2n] lower then upper corner: not proved
-  EvaluationSummary evaluation;
-  RunTiming timing;
-  std::vector<StoredRollout> rollouts;
-  std::optional<Grid> grid;
-  std::optional<Checkpoint> checkpoint;
+  Networks networks;                                    // f, V and B as trained so far
+  Certificate certificate;                              // what is known of these networks
+  // By condition, [k, 2n] lower then upper corner: boxes that were not proved.
+  std::vector<std::pair<std::string, Points>> open_boxes;
+  EvaluationSummary evaluation;          // figures of the motion's quality
+  RunTiming timing;                      // seconds of each step
+  std::vector<StoredRollout> rollouts;   // for figures
+  std::optional<Grid> grid;              // for figures; none in more than three dimensions
+  std::optional<Checkpoint> checkpoint;  // to go on with training; none before it began
 };
 
+// Of the run files that this program writes, and the only one that it reads.
 inline constexpr std::int64_t run_schema_version = 2;
 
 std::string time_stamp();  // now, UTC: "2024-05-31T12:00:00Z"

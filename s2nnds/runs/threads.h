@@ -16,6 +16,8 @@ struct ThreadCounts {
 // left to them is too small to share, and their waiting threads would hold a core. Throws Error if `threads`
 // is negative.
 void set_threads(int threads);
+
+// The settings as they are now.
 ThreadCounts thread_counts();
 
 }  // namespace s2nnds

@@ -8,6 +8,7 @@
 
 namespace s2nnds {
 
+// What train() calls as it goes; an empty function is not called.
 struct TrainingHooks {
   std::function<void(const RoundSummary&)> progress;  // after the warm start and every round
   std::function<void(const RunRecord&)> checkpoint;   // the record so far, at the same moments

@@ -5,9 +5,9 @@
 
 namespace s2nnds {
 
-// Checks the record's networks and updates its certificate: verdicts, guarantee and statement. Earlier verdicts
-// of other methods stay. Each conformal call is a further attempt, which spends its share of beta. `progress`
-// hears of the proof's levels. Throws Error when the certificate speaks of other weights.
+// Checks the record's networks and updates its certificate: verdicts, guarantee and statement. Earlier
+// verdicts of other methods stay. Each conformal call is a further attempt, which spends its share of beta.
+// `progress` hears of the proof's levels. Throws Error when the certificate speaks of other weights.
 void verify(const PreparedRun& setup, RunRecord& record, Method method, const VerificationOptions& options,
             const ProofProgress& progress = nullptr);
 

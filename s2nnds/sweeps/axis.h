@@ -10,16 +10,16 @@ namespace s2nnds {
 // One axis of a sweep: a dotted key of the configuration, others that take the same value, and what values.
 // Values are kept as TOML text, since that is what a configuration is overridden with.
 struct Axis {
-  std::string key;
-  std::vector<std::string> also = {};
-  std::int64_t line = 0;  // of the sweep's file, for messages
+  std::string key;                     // dotted, of the configuration
+  std::vector<std::string> also = {};  // other keys that take the same value
+  std::int64_t line = 0;               // of the sweep's file, for messages
 
   std::vector<std::string> values = {};  // a list; empty: a range
-  double low = 0.0;
-  double high = 1.0;
-  bool logarithmic = false;
-  bool integer = false;    // both ends were written as integers
-  std::int64_t count = 0;  // grid points of a range; 0: the sweep's file does not say
+  double low = 0.0;                      // lower end of a range, included; > 0 if logarithmic
+  double high = 1.0;                     // upper end of a range, included
+  bool logarithmic = false;              // the range is covered evenly in its logarithm
+  bool integer = false;                  // both ends were written as integers
+  std::int64_t count = 0;                // grid points of a range; 0: the sweep's file does not say
 
   // The value at u in [0, 1): lists and integers in equal shares.
   std::string at(double u) const;

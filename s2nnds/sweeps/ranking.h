@@ -11,13 +11,14 @@ namespace s2nnds {
 
 // How good a point is, by all its trials of one rung.
 struct PointScore {
-  std::int64_t point = 0;
+  std::int64_t point = 0;   // of Sweep::points, from 0
   std::int64_t trials = 0;  // with a result
-  std::int64_t failed = 0;
-  double share = 0.0;      // of the trials that should be there, those that count
-  bool feasible = false;   // share is at least the wanted one
-  double objective = 0.0;  // geometric mean over the trials, whose problems differ in scale; the arithmetic
-                           // one when a value is not positive; NaN when nothing was measured
+  std::int64_t failed = 0;  // of these, failed
+  double share = 0.0;       // of the trials that should be there, those that count; in [0, 1]
+  bool feasible = false;    // share is at least the wanted one, and the objective was measured
+  // Geometric mean over the trials, whose problems differ in scale; the arithmetic one when a value is not
+  // positive; NaN when nothing was measured.
+  double objective = 0.0;
 };
 
 // Whether the result has the sweep's guarantee, by a motion that goes the demonstrations' way (dtw_limit).

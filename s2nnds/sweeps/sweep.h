@@ -9,35 +9,37 @@
 
 namespace s2nnds {
 
+// A configuration that a sweep varies.
 struct BaseConfig {
   std::string name;  // the configuration's own
-  std::string path;
-  std::string text;
+  std::string path;  // of its file
+  std::string text;  // TOML, as in the file
 };
 
 // One run of a sweep. Its number says which: ((rung * points + point) * configs + config) * seeds + seed,
 // each counted from 0; that of its point if the sweep is not crossed.
 struct Trial {
-  std::int64_t id = 0;
-  std::int64_t rung = 0;
-  std::int64_t point = 0;
-  std::int64_t config = 0;
-  std::int64_t seed = 0;
-  std::string profile;  // of a listed trial, as `test`
-  std::vector<std::int64_t> test;
+  std::int64_t id = 0;             // its number
+  std::int64_t rung = 0;           // of successive halving, from 0
+  std::int64_t point = 0;          // of Sweep::points, from 0
+  std::int64_t config = 0;         // of Sweep::configs, from 0
+  std::int64_t seed = 0;           // the run's seed itself
+  std::string profile;             // of a listed trial; empty: the configuration's
+  std::vector<std::int64_t> test;  // of a listed trial: test demonstrations; empty: the configuration's
 };
 
+// A sweep's file, read and checked, with its points worked out.
 struct Sweep {
-  std::string text;  // of its file
-  SweepOptions options;
-  std::vector<Axis> axes;
-  std::vector<BaseConfig> configs;
-  std::vector<DesignPoint> points;
+  std::string text;                 // of its file
+  SweepOptions options;             // all of the file but its axes
+  std::vector<Axis> axes;           // in the file's order
+  std::vector<BaseConfig> configs;  // in the file's order
+  std::vector<DesignPoint> points;  // make_design of the options and axes
   std::vector<std::int64_t> pairs;  // of each point, config * seeds + seed; empty when crossed or listed
 
-  std::int64_t trials_a_point() const;
-  std::int64_t trials_a_rung() const;  // if all points are in it
-  Trial trial(std::int64_t id) const;  // throws Error when there is none of this number
+  std::int64_t trials_a_point() const;  // configurations times seeds; 1 if the sweep is not crossed
+  std::int64_t trials_a_rung() const;   // if all points are in it
+  Trial trial(std::int64_t id) const;   // throws Error when there is none of this number
   std::int64_t id_of(std::int64_t rung, std::int64_t point) const;  // of the point's first trial
 
   // Its configuration, split, seed and profile in one word: "Sine-seed0", "Sine-test5_6-seed0-imitation".

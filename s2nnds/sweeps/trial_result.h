@@ -12,15 +12,15 @@ namespace s2nnds {
 // What a trial came to, a small file of its own: many trials may end at once, on many nodes, and no server is
 // needed.
 struct TrialResult {
-  std::int64_t trial = 0;
-  bool failed = false;
-  std::string error;  // one line, when it failed
-  std::string guarantee = "none";
-  double seconds = 0.0;  // of the process that ended it, not of killed ones before
-  std::vector<std::pair<std::string, double>>
-      metrics;  // of the run's summary; those that were not measured left out
+  std::int64_t trial = 0;          // Trial::id
+  bool failed = false;             // it ended with an error, or was killed too often
+  std::string error;               // one line, when it failed
+  std::string guarantee = "none";  // that the run reached: to_string(Guarantee)
+  double seconds = 0.0;            // of the process that ended it, not of killed ones before
+  // (name, value) of the run's summary; those that were not measured left out.
+  std::vector<std::pair<std::string, double>> metrics;
 
-  // NaN when there is none of this name.
+  // The metric's value; NaN when there is none of this name.
   double metric(const std::string& name) const;
 };
 

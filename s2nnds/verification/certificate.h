@@ -13,7 +13,7 @@ namespace s2nnds {
 
 // The guarantees that a run can reach, in increasing strength; guarantee_of (guarantee.h) decides which.
 enum class Guarantee {
-  none,
+  none,       // nothing is claimed
   sampled,    // no violation at any of the samples
   conformal,  // each condition holds on all but a share epsilon of its region, with confidence 1 - beta
   proved,     // the conditions hold on the whole workspace
@@ -27,19 +27,26 @@ struct EnumNames<Guarantee> {
 };
 
 // How conditions are checked.
-enum class Method { sampled, conformal, proof };
+enum class Method {
+  sampled,    // at i.i.d. samples (verify_sampled)
+  conformal,  // by split conformal calibration (verify_conformal)
+  // By branch and bound over the whole workspace (prove).
+  proof
+};
 template <>
 struct EnumNames<Method> {
   static constexpr std::string_view what = "method";
   static constexpr auto names = std::to_array<std::string_view>({"sampled", "conformal", "proof"});
 };
 
+// What a method says of a condition: `passed` or `failed` of samples and conformal calibration, the others of
+// a proof.
 enum class Verdict {
-  passed,  // of samples
-  failed,
-  proved,  // of a proof
-  refuted,
-  undecided,
+  passed,     // sampled: no violation; conformal: the quantile p is not a violation
+  failed,     // the opposite, or the condition's region was never hit
+  proved,     // holds everywhere
+  refuted,    // a point certainly violates it
+  undecided,  // neither was shown within the limits
 };
 template <>
 struct EnumNames<Verdict> {
@@ -50,14 +57,15 @@ struct EnumNames<Verdict> {
 
 // What one method found out about one condition.
 struct ConditionVerdict {
-  Condition condition = Condition::lyapunov_positive;
-  Method method = Method::sampled;
-  Verdict verdict = Verdict::undecided;
-  std::int64_t samples = 0;  // sampled, conformal: points where the condition applied
-  std::int64_t violations = 0;
-  std::int64_t seed = 0;  // of the sampling stream
-  double worst = 0.0;     // largest residual seen
-  double epsilon = 0.0;   // conformal: P(rho <= p) >= 1 - epsilon with confidence 1 - beta
+  Condition condition = Condition::lyapunov_positive;  // which condition this is about
+  Method method = Method::sampled;                     // how it was checked
+  Verdict verdict = Verdict::undecided;                // what came out
+  std::int64_t samples = 0;     // sampled, conformal: points where the condition applied
+  std::int64_t violations = 0;  // sampled, conformal: those of them that violate it
+  std::int64_t seed = 0;        // of the sampling stream
+  double worst = 0.0;           // largest residual seen; proof: of the witness, a lower bound; 0 if none
+  double epsilon = 0.0;         // conformal: P(rho <= p) >= 1 - epsilon with confidence 1 - beta
+  // Conformal: this condition's share of ConformalOptions::beta at this attempt, in (0, 1).
   double beta = 0.0;
   std::int64_t attempt = 0;       // conformal: which attempt on this run this was (beta is spent on each)
   std::int64_t order = 0;         // conformal: l
@@ -65,11 +73,11 @@ struct ConditionVerdict {
   double tightest_epsilon = 1.0;  // conformal: the least epsilon at which p <= 0 (Clopper-Pearson)
   std::int64_t boxes = 0;         // proof: boxes examined
   std::int64_t open_boxes = 0;    // proof: boxes left over
-  double open_volume = 0.0;
-  std::vector<double> witness;  // refuted: a point [n] that violates the condition, normalised
-  double seconds = 0.0;
+  double open_volume = 0.0;       // proof: their volume, normalised length^n
+  std::vector<double> witness;    // refuted: a point [n] that violates the condition, normalised
+  double seconds = 0.0;           // wall clock
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names each field once, see FieldVisitor
 };
 
 // What must be proved besides the conditions before {B <= 0} is known to be invariant.
@@ -77,23 +85,24 @@ struct SideConditions {
   bool goal_is_safe = false;          // B(0) <= 0
   bool initial_in_workspace = false;  // X0 lies in X
 
-  bool hold() const { return goal_is_safe && initial_in_workspace; }
-  void visit(FieldVisitor& v);
+  bool hold() const { return goal_is_safe && initial_in_workspace; }  // both of them
+  void visit(FieldVisitor& v);                                        // names each field once
 };
 
+// What is known of a run's networks, and how it was found out.
 struct Certificate {
-  Guarantee guarantee = Guarantee::none;
-  std::string weight_hash;          // of the networks that it speaks of
-  std::int64_t attempts = 0;        // conformal verifications made of these weights
-  double level_band = 0.0;          // eps_B
-  double disturbance_margin = 0.0;  // largest certified |w| (normalised velocity); 0: not certified
-  double convergence_radius = 0.0;  // of the ball (normalised) that motions under such w converge to
-  double float32_error = 0.0;       // bound on the error of f evaluated in float32 (normalised velocity)
-  std::string statement;            // what holds, in a paragraph a roboticist can read
-  std::vector<ConditionVerdict> conditions;
-  SideConditions side;  // found by the last proof
+  Guarantee guarantee = Guarantee::none;  // the strongest that the verdicts support (guarantee_of)
+  std::string weight_hash;                // of the networks that it speaks of
+  std::int64_t attempts = 0;              // conformal verifications made of these weights
+  double level_band = 0.0;                // eps_B
+  double disturbance_margin = 0.0;        // largest certified |w| (normalised velocity); 0: not certified
+  double convergence_radius = 0.0;        // of the ball (normalised) that motions under such w converge to
+  double float32_error = 0.0;  // bound on the error of f evaluated in float32 (normalised velocity)
+  std::string statement;       // what holds, in a paragraph a roboticist can read
+  std::vector<ConditionVerdict> conditions;  // of every method used, at most one a method and condition
+  SideConditions side;                       // found by the last proof
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names each field once
 };
 
 }  // namespace s2nnds

@@ -11,6 +11,7 @@ namespace s2nnds {
 // exact one, u = 2^-53. The stack is copied; it is checked (throws Error).
 class NetworkFunction final : public TaylorFunction {
  public:
+  // Copies the weights. Throws Error when their shapes do not fit or a number is not finite.
   explicit NetworkFunction(const NetworkWeights& stack);
 
   Eigen::Index input_dimension() const override { return stack_.input_dimension(); }

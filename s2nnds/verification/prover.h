@@ -17,54 +17,63 @@ namespace s2nnds {
 struct ProofOptions : BranchLimits {
   // For the training loop: gives up early, with the boxes that are open by then.
   static ProofOptions fail_fast();
-  void visit(FieldVisitor& v);  // max_boxes and max_seconds
+  void visit(FieldVisitor& v);  // names max_boxes and max_seconds
 };
 
 // f, V, B as the prover sees them.
 struct ProofFunctions {
-  std::shared_ptr<const TaylorFunction> f, V, B;
+  std::shared_ptr<const TaylorFunction> f,  // vector field R^n -> R^n
+      V,                                    // Lyapunov function R^n -> R
+      B;                                    // barrier R^n -> R
 
+  // Copies the networks' weights. Throws Error as NetworkFunction does.
   static ProofFunctions of(const Networks& networks);
 };
 
 // `count` points [count, n], each uniform in one of the boxes [N, n]; none if there is no box.
 Points points_in_boxes(const Points& lower, const Points& upper, std::size_t count, RandomStream& random);
 
+// What the proof of one condition found out.
 struct ConditionProof {
-  ConditionVerdict verdict;
-  Points open_lower, open_upper;  // [kept, n] boxes left over, those with a certain violation first
-  Points witnesses;  // [refuted, n] a point of each of these that violates the condition, the worst first
+  ConditionVerdict verdict;  // proved, refuted or undecided, with box counts
+  Points open_lower,  // [kept, n] lower corners of boxes left over, those with a certain violation first
+      open_upper;     // [kept, n] their upper corners
+  Points witnesses;   // [refuted, n] a point of each of these that violates the condition, the worst first
   double goal_cube = 0.0;  // Lyapunov conditions: proved by interval Jacobians for 0 < |x|_inf <= goal_cube
 
-  bool is_proved() const { return verdict.verdict == Verdict::proved; }
+  bool is_proved() const { return verdict.verdict == Verdict::proved; }  // on its whole region
   // `count` points [count, n] for training: the witnesses, then points drawn from the open boxes. Empty if
   // proved.
   Points samples(std::size_t count, RandomStream& random) const;
 };
 
+// What the proof of all conditions found out.
 struct ProofResult {
   Guarantee guarantee = Guarantee::none;   // none, proved or invariant
   std::vector<ConditionProof> conditions;  // in the order of all_conditions
-  SideConditions side;
+  SideConditions side;                     // B(0) <= 0, and X0 in the workspace
   double goal_cube = 0.0;  // Vdot < 0 was proved by interval Jacobians for 0 < |x|_inf <= goal_cube
-  std::int64_t boxes = 0;
-  double seconds = 0.0;
+  std::int64_t boxes = 0;  // examined, for all conditions
+  double seconds = 0.0;    // wall clock
 
+  // The proof of this condition.
   const ConditionProof& operator[](Condition condition) const;
   std::vector<ConditionVerdict> verdicts() const;  // of the conditions, in the same order
 };
 
+// Called after each level of the proof of the condition.
 using ProofProgress = std::function<void(Condition, const BranchProgress&)>;
 
-// Decides all conditions on the whole continuum of the workspace (condition.h), with `level_band` = eps_B >=
-// 0. Sound in floating point: `proved` holds in exact arithmetic for the functions with exactly these double
-// coefficients, and a witness violates its condition in exact arithmetic. Containment is proved on the
-// workspace margin, if there is one, and on the workspace's boundary. Guarantee: `proved` if all conditions
-// hold (containment only where the problem has a workspace margin); `invariant` if containment holds, B(0) <=
-// 0 and X0 lies in the workspace as well. Verdicts and box counts do not depend on the number of threads,
-// unless the time limit strikes. Throws Error on functions or sets of different dimensions.
+// Decides all conditions on the whole continuum of the workspace (condition.h), with `level_band` =
+// eps_B >= 0. Sound in floating point: `proved` holds in exact arithmetic for the functions with exactly
+// these double coefficients, and a witness violates its condition in exact arithmetic. Containment is proved
+// on the workspace margin, if there is one, and on the workspace's boundary. Guarantee: `proved` if all
+// conditions hold (containment only where the problem has a workspace margin); `invariant` if containment
+// holds, B(0) <= 0 and X0 lies in the workspace as well. Verdicts and box counts do not depend on the number
+// of threads, unless the time limit strikes. Throws Error on functions or sets of different dimensions.
 ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
+// The same for networks.
 ProofResult prove(const Networks& networks, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
 

@@ -18,21 +18,26 @@ inline constexpr std::ptrdiff_t tile_boxes = 8;
 // All roundings are covered, those of the coefficients included. At a jump of sigma'' (elu at 0) the errors
 // are of lower order in the radius. A coefficient is not a number where z0 is not.
 struct ActivationExpansion {
-  double value[tile_boxes], first[tile_boxes], second[tile_boxes], third[tile_boxes];
-  double value_error[tile_boxes], linear_error[tile_boxes], first_error[tile_boxes];
+  double value[tile_boxes],        // sigma at z0, rounded
+      first[tile_boxes],           // its first derivative
+      second[tile_boxes],          // its second derivative
+      third[tile_boxes];           // its third derivative
+  double value_error[tile_boxes],  // bound of the first line above
+      linear_error[tile_boxes],    // bound of the second line
+      first_error[tile_boxes];     // bound of the third line
 };
 
 // One layer of a network on a tile of boxes |x - c| <= half. A stream is a quantity that the network carries
 // (the value; the value and its derivative along a direction); its second-order model is value, n slopes and
 // the upper triangle of the Hessian, C = 1 + n + n (n + 1) / 2 columns [C, T], and a remainder [T].
 struct LayerTile {
-  std::ptrdiff_t width = 0;      // neurons
-  std::ptrdiff_t dimension = 0;  // n
-  std::ptrdiff_t streams = 1;    // 1, or 2 with the derivative
-  Activation activation = Activation::identity;
-  const double* half = nullptr;       // [n, T]
+  std::ptrdiff_t width = 0;                      // neurons
+  std::ptrdiff_t dimension = 0;                  // n
+  std::ptrdiff_t streams = 1;                    // 1, or 2 with the derivative
+  Activation activation = Activation::identity;  // sigma, applied to each neuron
+  const double* half = nullptr;                  // [n, T] half-widths of the boxes
   const double* row_error = nullptr;  // [width] rounding of a row of W, and of the adjoint, times `magnitude`
-  const double* bias_error = nullptr;    // [width]
+  const double* bias_error = nullptr;    // [width] rounding of adding the bias
   double remainder_growth = 1.0;         // 1 + the relative rounding of |W| r
   double adjoint_rounding = 0.0;         // relative rounding of a column of W' in the backward sweep
   const double* magnitude_in = nullptr;  // [streams, T] largest size of the model among the inputs
@@ -42,7 +47,7 @@ struct LayerTile {
   // roundings of the affine map together
   double* z_remainder = nullptr;
   double* a = nullptr;            // [width, streams C, T] models after the activation
-  double* a_remainder = nullptr;  // [width, streams, T]
+  double* a_remainder = nullptr;  // [width, streams, T] their remainders
   double* expansion = nullptr;    // [width, 5, T] first, second, third, value_error, first_error
 };
 
@@ -50,16 +55,20 @@ struct LayerTile {
 // first-order model, is expanded to second order in x - c with what it leaves added to `remainder`, and
 // passed on to the layer's inputs.
 struct PullBackTile {
-  const double* adjoint_a = nullptr;    // [width, streams, T]
-  double* adjoint_z = nullptr;          // [width, streams, T] out
+  const double* adjoint_a = nullptr;    // [width, streams, T] of the values after the activation
+  double* adjoint_z = nullptr;          // [width, streams, T] out: of those before it
   double* hessian = nullptr;            // [n (n + 1) / 2, T] row by row of the upper triangle, added to
   double* hessian_magnitude = nullptr;  // [T] sum of all |terms| half half, for the rounding of the Hessian
   double* remainder = nullptr;          // [T] added to
 };
 
+// The innermost loops of the proof, compiled once for each instruction set.
 struct TaylorKernels {
+  // Expands `activation` about z0 [T] for |z - z0| <= radius [T].
   void (*expand)(Activation activation, const double* z0, const double* radius, ActivationExpansion& result);
+  // Fills in z_remainder, a, a_remainder, expansion and magnitude_out from the affine map's models z.
   void (*activate)(const LayerTile& layer);
+  // Takes the backward sweep through the activation of a layer that `activate` has been through.
   void (*pull_back)(const LayerTile& layer, const PullBackTile& tile);
 };
 

@@ -13,8 +13,9 @@ namespace s2nnds {
 
 // One double for each box of a tile, aligned for the widest registers.
 struct alignas(64) TileRow : Eigen::Array<double, tile_boxes, 1> {
-  using Base = Eigen::Array<double, tile_boxes, 1>;
-  TileRow() : Base(Base::Zero()) {}
+  using Base = Eigen::Array<double, tile_boxes, 1>;  // [T]
+  TileRow() : Base(Base::Zero()) {}                  // zero in every lane
+  // The value of an array expression of T numbers.
   template <typename Derived>
   TileRow(const Eigen::ArrayBase<Derived>& other) : Base(other) {}  // NOLINT: an expression is a row
   using Base::operator=;
@@ -23,20 +24,23 @@ struct alignas(64) TileRow : Eigen::Array<double, tile_boxes, 1> {
 // Up to T = tile_boxes boxes |x - center| <= half of R^n; lanes that are not filled repeat the last box.
 class BoxTile {
  public:
+  // All lanes are the origin, without extent.
   explicit BoxTile(Eigen::Index dimension) : center(dimension), half(dimension) {}
 
-  Eigen::Index dimension() const { return static_cast<Eigen::Index>(center.size()); }
+  Eigen::Index dimension() const { return static_cast<Eigen::Index>(center.size()); }  // n
   // Rows first, ..., first + count - 1 of `lower` and `upper` [N, n]; 0 < count <= tile_boxes. Centres are
-  // rounded, half-widths are rounded up, so that each box is covered.
+  // rounded, half-widths are rounded up, so that each box is covered. Throws Error on another count or
+  // dimension.
   void assign(const Points& lower, const Points& upper, Eigen::Index first, Eigen::Index count);
 
-  std::vector<TileRow> center, half;  // [n]
+  std::vector<TileRow> center,  // [n] midpoints
+      half;                     // [n] half-widths, >= 0
 };
 
-// Rows of the upper triangle of a symmetric n x n matrix.
+// Number of entries of the upper triangle of a symmetric n x n matrix: n (n + 1) / 2.
 inline Eigen::Index triangle(Eigen::Index n) { return n * (n + 1) / 2; }
 
-// The row of entry (i, j), i <= j < n, among them.
+// The place of entry (i, j), i <= j < n, among them, row by row from 0.
 inline Eigen::Index triangle_row(Eigen::Index i, Eigen::Index j, Eigen::Index n) {
   return i * n - i * (i - 1) / 2 + (j - i);
 }
@@ -44,15 +48,19 @@ inline Eigen::Index triangle_row(Eigen::Index i, Eigen::Index j, Eigen::Index n)
 // Second-order Taylor models of m functions on a tile, dx = x - c:
 //   |y_i(x) - value_i - slope_i . dx - dx' H_i dx / 2| <= remainder_i.
 struct TileModels {
+  // Models of m = `outputs` functions of n = `inputs` variables, all zero.
   TileModels(Eigen::Index outputs, Eigen::Index inputs)
       : dimension(inputs), models(outputs * columns()), remainder(outputs) {}
 
+  // Coefficients of a model: its value, n slopes and the upper triangle of its Hessian.
   Eigen::Index columns() const { return 1 + dimension + triangle(dimension); }
-  TileRow& value(Eigen::Index i) { return models[i * columns()]; }
+  TileRow& value(Eigen::Index i) { return models[i * columns()]; }                     // y_i at the centre
   TileRow* slope(Eigen::Index i) { return &models[i * columns() + 1]; }                // [n]
   TileRow* hessian(Eigen::Index i) { return &models[i * columns() + 1 + dimension]; }  // [n (n + 1) / 2]
+  // y_i at the centre.
   const TileRow& value(Eigen::Index i) const { return models[i * columns()]; }
-  const TileRow* slope(Eigen::Index i) const { return &models[i * columns() + 1]; }
+  const TileRow* slope(Eigen::Index i) const { return &models[i * columns() + 1]; }  // [n]
+  // [n (n + 1) / 2]
   const TileRow* hessian(Eigen::Index i) const { return &models[i * columns() + 1 + dimension]; }
   // Above |slope_i . dx|.
   TileRow spread(Eigen::Index i, const BoxTile& tile) const;
@@ -64,22 +72,25 @@ struct TileModels {
   std::vector<TileRow> remainder;  // [m]
 };
 
-// Above |slope . dx| and |dx' H dx / 2| on each box: slope [n], hessian [n (n + 1) / 2].
+// Above |slope . dx| on each box: slope [n].
 TileRow linear_size(const TileRow* slope, const BoxTile& tile);
+// Above |dx' H dx / 2| on each box: hessian [n (n + 1) / 2], the upper triangle of H row by row.
 TileRow quadratic_size(const TileRow* hessian, const BoxTile& tile);
 
-// A scalar function to second order on a tile: |q(x) - value - gradient . dx - dx' H dx / 2| <= remainder, dx
-// = x - c, once the roundings collected in `magnitude` are counted (bounds do).
+// A scalar function to second order on a tile: |q(x) - value - gradient . dx - dx' H dx / 2| <= remainder,
+// dx = x - c, once the roundings collected in `magnitude` are counted (bounds do).
 struct TileForm {
+  // The form 0 in n = `dimension` variables.
   explicit TileForm(Eigen::Index dimension) : gradient(dimension), hessian(triangle(dimension)) {}
-  void clear();
+  void clear();  // back to the form 0
   // Adds value + slope . dx, slope [n].
   void add_line(const TileRow& line_value, const TileRow* slope, const BoxTile& tile);
   // Adds weight dx' H dx / 2, H given by the rows of its upper triangle.
   void add_curvature(const TileRow& weight, const std::vector<TileRow>& rows, const BoxTile& tile);
 
-  // Above (below) every value of q on each box; NaN where nothing is known.
+  // Above every value of q on each box; NaN where nothing is known.
   TileRow upper(const BoxTile& tile) const;
+  // Below every value of q on each box; NaN where nothing is known.
   TileRow lower(const BoxTile& tile) const;
   // A corner or stationary point of the separable part of the form that makes it large (sign 1) or small
   // (sign -1): where to look for a violation. Not rigorous.
@@ -87,12 +98,12 @@ struct TileForm {
   // The form's polynomial there. Not rigorous.
   double polynomial(const BoxTile& tile, Eigen::Index lane, const Vector& point) const;
 
-  TileRow value;
+  TileRow value;                  // of q at the centre, rounded
   std::vector<TileRow> gradient;  // [n]
   std::vector<TileRow> hessian;   // [n (n + 1) / 2], rows of the upper triangle
-  TileRow remainder;
-  TileRow magnitude;       // sum of |terms| that went into value, gradient and Hessian
-  double operations = 16;  // how many roundings a term can have gone through
+  TileRow remainder;              // what the polynomial leaves out, >= 0
+  TileRow magnitude;              // sum of |terms| that went into value, gradient and Hessian
+  double operations = 16;         // how many roundings a term can have gone through
 
  private:
   TileRow bound(const BoxTile& tile, double sign) const;
@@ -112,9 +123,9 @@ class TaylorFunction {
   };
   virtual ~TaylorFunction() = default;
 
-  virtual Eigen::Index input_dimension() const = 0;
-  virtual Eigen::Index output_dimension() const = 0;
-  virtual std::unique_ptr<Workspace> workspace() const = 0;
+  virtual Eigen::Index input_dimension() const = 0;          // n
+  virtual Eigen::Index output_dimension() const = 0;         // m
+  virtual std::unique_ptr<Workspace> workspace() const = 0;  // memory that fits this function
 
   // Models of all outputs.
   virtual void models(const BoxTile& tile, Workspace& workspace, TileModels& y) const = 0;
@@ -129,10 +140,10 @@ class TaylorFunction {
   virtual void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                               std::vector<TileRow>& adjoint, TileForm& q) const = 0;
 
-  // Around the goal, over the cube |x|_inf <= half:
-  // [m, n] such that y(x) = A(x) x with A(x) in it; nothing unless y(0) = 0 exactly.
+  // Around the goal, over the cube |x|_inf <= half: [m, n] such that y(x) = A(x) x with A(x) in it; nothing
+  // unless y(0) = 0 exactly.
   virtual std::optional<IntervalMatrix> goal_factor(double half) const = 0;
-  // Scalar functions only. [n, n] such that grad y(x) = G(x) x with G(x) in it, for all x of the cube;
+  // Scalar functions only: [n, n] such that grad y(x) = G(x) x with G(x) in it, for all x of the cube;
   // nothing unless y(0) = 0 and grad y(0) = 0 exactly. Then also y(x) = x' S(x) x with 2 S(x) in it.
   virtual std::optional<IntervalMatrix> goal_gradient_factor(double half) const = 0;
   // Scalar functions only: y(0) = 0 and y > 0 elsewhere for a reason that needs no boxes.
@@ -142,7 +153,8 @@ class TaylorFunction {
 // A function of x alone and its derivative along a vector field, with their memory: one for each thread.
 class ScalarEnclosure {
  public:
-  // `field` may be null: only value() then.
+  // `field` may be null: lie_derivative() throws Error then. Throws Error unless `function` maps R^n to R and
+  // `field` maps R^n to R^n. Both must outlive this.
   ScalarEnclosure(const TaylorFunction& function, const TaylorFunction* field);
 
   const TileForm& value(const BoxTile& tile);           // y
