@@ -21,10 +21,11 @@ enum class Condition {
   containment,        // rho_4 = -B     < 0   on the workspace's outer margin
   barrier_decrease,   // rho_5 = Bdot   < 0   where |B| <= level_band, Bdot = grad B . f
 };
+// In the order of the columns of residuals().
 inline constexpr std::array<Condition, 6> all_conditions = {
     Condition::lyapunov_positive, Condition::lyapunov_decrease, Condition::initial, Condition::unsafe,
     Condition::containment,       Condition::barrier_decrease};
-inline constexpr Eigen::Index condition_count = all_conditions.size();
+inline constexpr Eigen::Index condition_count = all_conditions.size();  // columns of residuals()
 
 template <>
 struct EnumNames<Condition> {
@@ -33,15 +34,15 @@ struct EnumNames<Condition> {
       {"lyapunov_positive", "lyapunov_decrease", "initial", "unsafe", "containment", "barrier_decrease"});
 };
 
-// rho <= 0 suffices; otherwise rho < 0 is needed.
+// Whether rho <= 0 suffices; otherwise rho < 0 is needed.
 bool allows_zero(Condition condition);
 
-// Written so that NaN is a violation.
+// Whether `residual` = rho(x) breaks the condition; NaN does.
 inline bool is_violated(Condition condition, double residual) {
   return allows_zero(condition) ? !(residual <= 0.0) : !(residual < 0.0);
 }
 
-// Single precision is for searching: a residual near 0 may have the wrong sign.
+// Of the networks' arithmetic. Single precision is for searching: a residual near 0 may have the wrong sign.
 enum class Precision { single_, double_ };
 
 // The residuals at N points [N, n] -> [N, condition_count]; -infinity where a condition does not apply, NaN

@@ -10,7 +10,7 @@ namespace s2nnds {
 
 // A way to match the samples of two curves in order.
 struct WarpingPath {
-  double cost = 0.0;  // sum over its pairs
+  double cost = 0.0;  // sum of the costs of its pairs
   // (sample of the first curve, sample of the second), from the curves' ends back to (0, 0)
   std::vector<std::pair<Eigen::Index, Eigen::Index>> pairs;
 };

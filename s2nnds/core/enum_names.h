@@ -24,18 +24,20 @@ namespace s2nnds {
 template <typename E>
 struct EnumNames;
 
+// An enum class that has EnumNames.
 template <typename E>
 concept NamedEnum = std::is_enum_v<E> && requires {
   { EnumNames<E>::what } -> std::convertible_to<std::string_view>;
   EnumNames<E>::names.size();
 };
 
+// The name of `value`, which must be one of the enumerators.
 template <NamedEnum E>
 constexpr std::string_view to_string(E value) {
   return EnumNames<E>::names[static_cast<std::size_t>(value)];
 }
 
-// Throws Error that lists the names there are.
+// The value that has this name. Throws Error that lists the names there are.
 template <NamedEnum E>
 E enum_from(std::string_view name) {
   const auto& names = EnumNames<E>::names;
@@ -45,7 +47,7 @@ E enum_from(std::string_view name) {
   fail("{}: found \"{}\", expected one of {}", EnumNames<E>::what, name, fmt::join(names, ", "));
 }
 
-// A field of options or of a file that holds one of the names.
+// Visits a field that holds one of the names: `value` becomes the one that the visitor leaves there.
 template <NamedEnum E>
 void visit_enum(FieldVisitor& v, std::string_view name, E& value) {
   const auto& names = EnumNames<E>::names;

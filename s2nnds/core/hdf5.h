@@ -9,26 +9,27 @@
 
 namespace s2nnds {
 
-std::string hdf5_version();  // "1.10.8"
+std::string hdf5_version();  // of the HDF5 library in use: "1.10.8"
 
 // Numbers of any shape, the last index running fastest.
 struct Array {
-  std::vector<Eigen::Index> shape;
-  std::vector<double> values;
+  std::vector<Eigen::Index> shape;  // empty: a single value
+  std::vector<double> values;       // as many as the product of `shape`
 };
 
-// What a dataset or an attribute is to hold: a view of a value that must outlive it.
+// What a dataset or an attribute is to hold: a view of a value that must outlive it. Every type that can be
+// stored converts to it.
 class Hdf5Value {
  public:
-  Hdf5Value(const double& value);                     // NOLINT: every value that can be stored is one
-  Hdf5Value(const std::int64_t& value);               // NOLINT
-  Hdf5Value(const std::string& value);                // NOLINT: UTF-8
-  Hdf5Value(const Points& value);                     // NOLINT: numpy sees [rows, cols]
-  Hdf5Value(const Vector& value);                     // NOLINT
-  Hdf5Value(const Array& value);                      // NOLINT
-  Hdf5Value(const std::vector<double>& value);        // NOLINT
-  Hdf5Value(const std::vector<std::int64_t>& value);  // NOLINT
-  Hdf5Value(const std::vector<std::string>& value);   // NOLINT
+  Hdf5Value(const double& value);                     // NOLINT: one number
+  Hdf5Value(const std::int64_t& value);               // NOLINT: one integer
+  Hdf5Value(const std::string& value);                // NOLINT: one text, UTF-8 without zero bytes
+  Hdf5Value(const Points& value);                     // NOLINT: [rows, columns]
+  Hdf5Value(const Vector& value);                     // NOLINT: [size]
+  Hdf5Value(const Array& value);                      // NOLINT: numbers of any shape
+  Hdf5Value(const std::vector<double>& value);        // NOLINT: [size]
+  Hdf5Value(const std::vector<std::int64_t>& value);  // NOLINT: integers [size]
+  Hdf5Value(const std::vector<std::string>& value);   // NOLINT: texts [size]
 
  private:
   friend class Hdf5Writer;  // its Stored
@@ -46,15 +47,16 @@ class Hdf5Value {
 // groups on the way are made. Every failure throws Error naming the file and the item.
 class Hdf5Writer {
  public:
-  explicit Hdf5Writer(const std::string& path);
-  ~Hdf5Writer();  // without commit(), leaves nothing behind
+  explicit Hdf5Writer(const std::string& path);  // touches no file before commit()
+  ~Hdf5Writer();                                 // without commit(), leaves nothing behind
   Hdf5Writer(const Hdf5Writer&) = delete;
   Hdf5Writer& operator=(const Hdf5Writer&) = delete;
 
+  // Makes a group and those on the way to it; nothing happens if it is there.
   void make_group(const std::string& group);
-  // One dataset.
+  // Writes one dataset; throws Error if the item exists.
   void write(const std::string& item, const Hdf5Value& value);
-  // One attribute of a group (made if it is missing) or of a dataset.
+  // Writes one attribute of a group (made if it is missing) or of a dataset.
   void write_attribute(const std::string& item, const std::string& name, const Hdf5Value& value);
 
   // Replaces the file at `path`. Nothing can be written afterwards.
@@ -79,38 +81,50 @@ class Hdf5Reader {
   Hdf5Reader(const Hdf5Reader&) = delete;
   Hdf5Reader& operator=(const Hdf5Reader&) = delete;
 
-  const std::string& path() const { return path_; }
-  bool exists(const std::string& item) const;
+  const std::string& path() const { return path_; }  // as given
+  bool exists(const std::string& item) const;        // a group or a dataset of this name
+  // Whether `item` exists and has an attribute of this name.
   bool has_attribute(const std::string& item, const std::string& name) const;
-  // The names in a group, and those of a group's or a dataset's attributes, in the order in which they were
-  // written (of files that do not keep it, in the order of the names).
+  // The names in a group, in the order in which they were written (of files that do not keep it, in the order
+  // of the names).
   std::vector<std::string> children(const std::string& group) const;
+  // The names of a group's or a dataset's attributes, in the same order.
   std::vector<std::string> attributes(const std::string& item) const;
 
-  // T is a type that Hdf5Value takes. Only an Array may come from integers as well as from numbers.
+  // The value of a dataset. T is a type that Hdf5Value takes. Only an Array may come from integers as well as
+  // from numbers.
   template <typename T>
   T read(const std::string& item) const;
+  // The value of an attribute. T: as for read(), without Points, Vector and Array.
   template <typename T>
   T attribute(const std::string& item, const std::string& name) const;
 
-  Points read_points(const std::string& item) const { return read<Points>(item); }
-  Vector read_vector(const std::string& item) const { return read<Vector>(item); }
-  Array read_array(const std::string& item) const { return read<Array>(item); }
+  Points read_points(const std::string& item) const { return read<Points>(item); }  // [N, n]
+  Vector read_vector(const std::string& item) const { return read<Vector>(item); }  // [N]
+  Array read_array(const std::string& item) const { return read<Array>(item); }     // any shape
+  // A dataset of integers [N].
   std::vector<std::int64_t> read_integers(const std::string& item) const {
     return read<std::vector<std::int64_t>>(item);
   }
+  // A dataset of one text of variable length.
   std::string read_text(const std::string& item) const { return read<std::string>(item); }
+  // A dataset of texts [N].
   std::vector<std::string> read_texts(const std::string& item) const {
     return read<std::vector<std::string>>(item);
   }
+  // A dataset of one number.
   double read_number(const std::string& item) const { return read<double>(item); }
+  // A dataset of one integer.
   std::int64_t read_integer(const std::string& item) const { return read<std::int64_t>(item); }
+  // An attribute of one text.
   std::string text_attribute(const std::string& item, const std::string& name) const {
     return attribute<std::string>(item, name);
   }
+  // An attribute of one number.
   double number_attribute(const std::string& item, const std::string& name) const {
     return attribute<double>(item, name);
   }
+  // An attribute of one integer.
   std::int64_t integer_attribute(const std::string& item, const std::string& name) const {
     return attribute<std::int64_t>(item, name);
   }

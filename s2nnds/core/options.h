@@ -13,23 +13,24 @@ namespace s2nnds {
 
 // The admissible range of a number, for validation and for messages.
 struct Range {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  bool open_low = false;   // the lower end is excluded
-  bool open_high = false;  // the upper end is excluded
+  double low = -std::numeric_limits<double>::infinity();  // least value
+  double high = std::numeric_limits<double>::infinity();  // greatest value
+  bool open_low = false;                                  // the lower end is excluded
+  bool open_high = false;                                 // the upper end is excluded
 
   bool holds(double value) const;  // false for NaN; infinite values only where there is no bound at all
   std::string describe() const;    // "a number > 0", "a number >= 1", "a number in [0, 1)", "a number" ...
 };
-inline Range at_least(double low) { return {.low = low}; }
-inline Range above(double low) { return {.low = low, .open_low = true}; }
+inline Range at_least(double low) { return {.low = low}; }                 // value >= low
+inline Range above(double low) { return {.low = low, .open_low = true}; }  // value > low
+// low <= value <= high
 inline Range between(double low, double high) { return {.low = low, .high = high}; }
+// low < value < high
 inline Range inside(double low, double high) {
   return {.low = low, .high = high, .open_low = true, .open_high = true};
 }
 inline Range any_number() { return {}; }  // infinite values allowed, NaN not
 
-// A list of options structs, as a visitor sees it.
 class StructList;
 
 // Options are structs with a default beside every field and one member `void visit(FieldVisitor&)` that names
@@ -39,36 +40,44 @@ class FieldVisitor {
  public:
   virtual ~FieldVisitor() = default;
 
+  // One field with its key and its value, which the visitor may read or set; here true or false.
   virtual void field(std::string_view name, bool& value) = 0;
-  virtual void field(std::string_view name, std::int64_t& value, Range range) = 0;
-  virtual void field(std::string_view name, double& value, Range range) = 0;
+  virtual void field(std::string_view name, std::int64_t& value, Range range) = 0;  // an integer in `range`
+  virtual void field(std::string_view name, double& value, Range range) = 0;        // a number in `range`
   // One of `choices`; any text if there are none.
   virtual void field(std::string_view name, std::string& value, const std::vector<std::string>& choices) = 0;
-  void field(std::string_view name, std::string& value) { field(name, value, {}); }
+  void field(std::string_view name, std::string& value) { field(name, value, {}); }  // any text
+  // Numbers, each in `range`.
   virtual void field(std::string_view name, std::vector<double>& value, Range range) = 0;
+  // Integers, each in `range`.
   virtual void field(std::string_view name, std::vector<std::int64_t>& value, Range range) = 0;
-  virtual void field(std::string_view name, std::vector<std::string>& value) = 0;
+  virtual void field(std::string_view name, std::vector<std::string>& value) = 0;  // any texts
 
+  // Options within options: their fields have keys "name.key".
   template <typename T>
   void group(std::string_view name, T& options) {
     begin_group(name);
     options.visit(*this);
     end_group();
   }
+  // A list of options structs, whose length the visitor may change.
   template <typename T>
   void list(std::string_view name, std::vector<T>& elements);
 
  protected:
-  virtual void begin_group(std::string_view name) = 0;
-  virtual void end_group() = 0;
+  virtual void begin_group(std::string_view name) = 0;  // before the fields of a group
+  virtual void end_group() = 0;                         // after them
+  // What list() calls.
   virtual void visit_list(std::string_view name, StructList& list) = 0;
 };
 
+// A list of options structs, as a visitor sees it.
 class StructList {
  public:
   virtual ~StructList() = default;
-  virtual std::size_t size() const = 0;
-  virtual void resize(std::size_t count) = 0;
+  virtual std::size_t size() const = 0;        // structs in the list
+  virtual void resize(std::size_t count) = 0;  // new structs have their defaults
+  // Visits the fields of one struct; index < size().
   virtual void visit(std::size_t index, FieldVisitor& visitor) = 0;
 };
 
@@ -84,7 +93,7 @@ void FieldVisitor::list(std::string_view name, std::vector<T>& elements) {
   visit_list(name, list);
 }
 
-// No range, no choices.
+// The bound of a field that has neither a range nor choices.
 struct NoBound {};
 
 // For visitors that treat all types of fields alike: `Derived` has a member template each(name, value,
@@ -94,20 +103,27 @@ class UniformVisitor : public Base {
  public:
   using Base::Base;
   using Base::field;
+  // All of them call each(): without a bound.
   void field(std::string_view name, bool& value) override { self().each(name, value, NoBound{}); }
+  // With the range.
   void field(std::string_view name, std::int64_t& value, Range range) override {
     self().each(name, value, range);
   }
+  // With the range.
   void field(std::string_view name, double& value, Range range) override { self().each(name, value, range); }
+  // With the choices, none if any text will do.
   void field(std::string_view name, std::string& value, const std::vector<std::string>& choices) override {
     self().each(name, value, choices);
   }
+  // With the range of every element.
   void field(std::string_view name, std::vector<double>& value, Range range) override {
     self().each(name, value, range);
   }
+  // With the range of every element.
   void field(std::string_view name, std::vector<std::int64_t>& value, Range range) override {
     self().each(name, value, range);
   }
+  // Without a bound.
   void field(std::string_view name, std::vector<std::string>& value) override {
     self().each(name, value, NoBound{});
   }

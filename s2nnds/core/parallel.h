@@ -8,9 +8,9 @@
 namespace s2nnds {
 
 // The threads that the library's loops share their work among; 0: all cores. The program's one setting: to be
-// called before loops run, not during one. At the start: all cores.
+// called before loops run, not during one. At the start: all cores. Throws Error if threads < 0.
 void use_threads(int threads);
-int thread_count();
+int thread_count();  // threads in use, >= 1
 
 // body(index, worker) for every index in [0, count), in no particular order. Each index belongs to one
 // thread, whose number worker < thread_count() stands for memory that only it uses. The first exception ends

@@ -13,12 +13,13 @@ namespace s2nnds {
 // uses.
 class RandomStream {
  public:
+  // The stream's start: a 64-bit Mersenne Twister seeded by a hash of the three.
   RandomStream(std::uint64_t seed, std::string_view name, std::uint64_t index = 0);
 
   double uniform();                         // in [0, 1), 53 bits
   double uniform(double low, double high);  // in [low, high)
   double normal();                          // mean 0, variance 1
-  std::size_t below(std::size_t count);     // in {0, ..., count - 1}; count > 0
+  std::size_t below(std::size_t count);     // in {0, ..., count - 1}; throws Error if count is 0
 
  private:
   std::mt19937_64 engine_;

@@ -5,9 +5,10 @@
 
 namespace s2nnds {
 
-// Seconds since it was made.
+// Measures time from when it was made, by a clock that never goes back.
 class Stopwatch {
  public:
+  // Seconds since it was made.
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   }

@@ -15,15 +15,15 @@ struct Demonstration {
   Points position;  // [M, n]
   Points velocity;  // [M, n], unit of position per unit of time
 
-  Eigen::Index samples() const { return position.rows(); }
-  Eigen::Index dimension() const { return position.cols(); }
+  Eigen::Index samples() const { return position.rows(); }    // M
+  Eigen::Index dimension() const { return position.cols(); }  // n
 };
 
 // Demonstrations of one motion, all of dimension n, as a reader returns them.
 struct DemonstrationSet {
-  std::string name;
+  std::string name;  // of the motion: the file's name without folder and ending, for handwriting the motion
   std::string unit;  // of length: "mm", "m", or "" when the file does not say
-  std::vector<Demonstration> demonstrations;
+  std::vector<Demonstration> demonstrations;  // in the file's order
 
   Eigen::Index dimension() const;  // of its first demonstration; throws Error if there is none
 };
@@ -35,8 +35,9 @@ void check_demonstrations(const DemonstrationSet& set, const std::string& source
 // The same for one demonstration; `where` names it in the message.
 void check_demonstration(const Demonstration& demonstration, const std::string& where);
 
-// All samples of several demonstrations, stacked: [sum M, n].
+// The positions of all samples of several demonstrations, one after another: [sum M, n].
 Points stack_positions(const std::vector<Demonstration>& demonstrations);
+// Their velocities, in the same order: [sum M, n].
 Points stack_velocities(const std::vector<Demonstration>& demonstrations);
 
 }  // namespace s2nnds

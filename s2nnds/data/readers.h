@@ -9,18 +9,19 @@
 
 namespace s2nnds {
 
+// Which demonstrations to read, and what to do with them.
 struct DataOptions {
-  std::string source = "handwriting";       // handwriting (shipped, synthetic), lasa, ds_opt, csv, hdf5
-  std::string file;                         // lasa, ds_opt, hdf5: one file, relative to the data directory
-  std::string motion = "Sine";              // handwriting: Sine, S, C, N, Spiral, Helix
-  std::vector<std::string> files;           // csv: one file a demonstration
-  std::int64_t stride = 1;                  // keep every stride-th sample (and the last one)
-  std::string unit;                         // csv, hdf5: unit of length, for reports
-  std::string normalization = "max_abs";    // max_abs, max_norm
-  std::vector<std::int64_t> use;            // demonstrations to use at all, in this order; empty: every one
+  std::string source = "handwriting";  // handwriting (shipped, synthetic), lasa, ds_opt, csv, hdf5
+  std::string file;                    // lasa, ds_opt, hdf5: one file, relative to the data directory
+  std::string motion = "Sine";         // handwriting: Sine, S, C, N, Spiral, Helix
+  std::vector<std::string> files;      // csv: one file for each demonstration, relative to the data directory
+  std::int64_t stride = 1;             // >= 1: keep every stride-th sample (and the last one)
+  std::string unit;                    // csv, hdf5: unit of length in the files ("mm"), for reports
+  std::string normalization = "max_abs";  // scales by the largest coordinate (max_abs) or norm (max_norm)
+  std::vector<std::int64_t> use;  // demonstrations to use at all, from 0, in this order; empty: every one
   std::vector<std::int64_t> test = {5, 6};  // held out, counted from 0 among those in use
-  // Held out as well, for choosing among runs: a choice made on test demonstrations would spoil their
-  // figures.
+  // Held out as well, counted as `test`, for choosing among runs: a choice made on test demonstrations would
+  // spoil their figures.
   std::vector<std::int64_t> validation;
 
   void visit(FieldVisitor& v);  // names only the keys that `source` has
@@ -30,9 +31,8 @@ struct DataOptions {
 // Relative paths count from `data_dir`. Readers throw Error with path, what was found and what was expected.
 DemonstrationSet read_demonstrations(const DataOptions& options, const std::string& data_dir);
 
-// The readers keep every stride-th sample and the last
-// one; where a file has no velocities, they differentiate what is left, since thinning first amplifies noise
-// least.
+// The readers below keep every stride-th sample and the last one; where a file has no velocities, they
+// differentiate what is left, since thinning first amplifies noise least.
 
 // MATLAB (5 to 7, not 7.3): cell array demos{k} of structs with pos [n, M] mm, t [1, M] s, vel [n, M] mm/s.
 DemonstrationSet read_lasa(const std::string& path, std::int64_t stride = 1);

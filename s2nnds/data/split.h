@@ -10,9 +10,9 @@ namespace s2nnds {
 
 // Train, test and validation by whole demonstrations, as indices from 0.
 struct Split {
-  std::vector<std::int64_t> train;
-  std::vector<std::int64_t> test;
-  std::vector<std::int64_t> validation = {};  // for choosing among runs
+  std::vector<std::int64_t> train;            // what networks are trained on
+  std::vector<std::int64_t> test;             // held out
+  std::vector<std::int64_t> validation = {};  // held out, for choosing among runs
 };
 
 // `test` and `validation` keep their order, `train` is the rest in ascending order. Throws Error when an

@@ -3,7 +3,8 @@
 
 namespace s2nnds {
 
-// elu is x for x > 0 and exp(x) - 1 otherwise; silu is x / (1 + exp(-x)); softplus is log(1 + exp(x)).
+// The functions that layers apply to each number. elu is x for x > 0 and exp(x) - 1 otherwise; silu is
+// x / (1 + exp(-x)); softplus is log(1 + exp(x)).
 enum class Activation { identity, tanh, elu, softplus, silu, sine };
 
 }  // namespace s2nnds

@@ -8,14 +8,16 @@ namespace s2nnds {
 // The module of BarrierOptions.
 class BarrierImpl : public torch::nn::Module {
  public:
+  // Random weights. dtype: torch::kFloat32 or kFloat64.
   BarrierImpl(std::int64_t dimension, const BarrierOptions& options, RandomStream& random,
               torch::Dtype dtype = torch::kFloat32);
   torch::Tensor forward(const torch::Tensor& x);  // [N, n] -> [N]
-  NetworkWeights snapshot() const;
-  void restore(const NetworkWeights& stack);  // throws Error if the shapes differ
+  NetworkWeights snapshot() const;                // the weights as doubles
+  void restore(const NetworkWeights& stack);      // throws Error if head or shapes differ
 
-  Mlp network{nullptr};
+  Mlp network{nullptr};  // B itself, n -> 1
 };
+// Holds a BarrierImpl; copies share it.
 TORCH_MODULE(Barrier);
 
 }  // namespace s2nnds

@@ -7,14 +7,17 @@
 
 namespace s2nnds {
 
-// The inner loops of all networks, compiled once per InstructionSet and chosen at run time. Rows are samples,
-// columns are neurons padded to a multiple of `kLanePadding`, so that every product of the forward and the
-// reverse sweep has contiguous columns and needs no transposition of activations.
+// Layers are padded to a multiple of this many neurons.
 inline constexpr std::ptrdiff_t kLanePadding = 16;
+// `width` rounded up to a multiple of kLanePadding.
 inline std::ptrdiff_t padded(std::ptrdiff_t width) {
   return (width + kLanePadding - 1) / kLanePadding * kLanePadding;
 }
 
+// The inner loops of all networks in precision T (float, double), compiled once per InstructionSet and chosen
+// at run time. Rows are samples, columns are neurons padded to a multiple of kLanePadding, so that every
+// product of the forward and the reverse sweep has contiguous columns and needs no transposition of
+// activations.
 template <typename T>
 struct DenseKernels {
   // C[m, n] = (accumulate ? C : 0) + sum_k A(m, k) B[k, n] for m < rows, n < columns (a multiple of
@@ -28,8 +31,8 @@ struct DenseKernels {
   void (*activate)(Activation activation, std::ptrdiff_t count, const T* z, T* value, T* first, T* second);
   // The tangent through an activation: tangent = slope * dz and, unless null, curve *= dz.
   void (*push_tangent)(std::ptrdiff_t count, const T* slope, const T* dz, T* tangent, T* curve);
-  // The adjoints through an activation: adjoint = adjoint * slope + adjoint_tangent * curve, adjoint_tangent
-  // *= slope; the value's alone where adjoint_tangent is null.
+  // The adjoints through an activation: adjoint = adjoint * slope + adjoint_tangent * curve,
+  // adjoint_tangent *= slope; the value's alone where adjoint_tangent is null.
   void (*pull_adjoint)(std::ptrdiff_t count, const T* slope, const T* curve, T* adjoint, T* adjoint_tangent);
 };
 

@@ -14,11 +14,13 @@ class BasicEvaluator {
  public:
   explicit BasicEvaluator(const NetworkWeights& stack);  // throws Error if the stack is not consistent
 
-  Eigen::Index input_dimension() const { return network_.inputs(); }
+  Eigen::Index input_dimension() const { return network_.inputs(); }  // n
+  // m: 1 for squared_norm.
   Eigen::Index output_dimension() const { return head_ == Head::squared_norm ? 1 : network_.outputs(); }
 
-  // As the functions of NetworkWeights; throw Error on a wrong shape.
+  // As NetworkWeights::value; throws Error on a wrong shape.
   Points value(const Points& x) const;
+  // As NetworkWeights::value_and_derivative; throws Error on a wrong shape.
   void value_and_derivative(const Points& x, const Points& direction, Points& value,
                             Points& derivative) const;
 
@@ -30,6 +32,7 @@ class BasicEvaluator {
   double quadratic_;
   Matrix at_origin_;  // [1, outputs]: N(0), for zero_at_origin and squared_norm
 };
+// What verification and evaluation use.
 using Evaluator = BasicEvaluator<double>;
 
 }  // namespace s2nnds

@@ -11,11 +11,12 @@ namespace s2nnds {
 
 // The shape of one layer of a fully connected network.
 struct LayerShape {
-  std::ptrdiff_t inputs = 0;
-  std::ptrdiff_t outputs = 0;
-  bool bias = true;
-  Activation activation = Activation::identity;
+  std::ptrdiff_t inputs = 0;                     // numbers that it takes, > 0 in a network
+  std::ptrdiff_t outputs = 0;                    // its neurons, > 0 in a network
+  bool bias = true;                              // whether it adds a bias [outputs]
+  Activation activation = Activation::identity;  // of all its neurons
 
+  // Numbers in weight and bias.
   std::ptrdiff_t parameters() const { return outputs * inputs + (bias ? outputs : 0); }
 };
 
@@ -26,15 +27,16 @@ class Buffer {
   Buffer() = default;
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
-  Buffer(Buffer&& other) noexcept { *this = std::move(other); }
+  Buffer(Buffer&& other) noexcept { *this = std::move(other); }  // leaves `other` empty
+  // Swaps the two.
   Buffer& operator=(Buffer&& other) noexcept {
     std::swap(data_, other.data_);
     std::swap(capacity_, other.capacity_);
     return *this;
   }
   ~Buffer();
-  T* reserve(std::size_t count);  // at least count elements; the old contents are lost when it grows
-  T* data() const { return data_; }
+  T* reserve(std::size_t count);     // at least count elements; the old contents are lost when it grows
+  T* data() const { return data_; }  // null before reserve()
 
  private:
   T* data_ = nullptr;
@@ -49,19 +51,21 @@ class Buffer {
 template <typename T>
 class FusedNetwork {
  public:
-  static constexpr std::ptrdiff_t tile_rows =
-      48;  // a multiple of the kernels' row blocks; fits in the L1 cache
+  // Samples of one tile: a multiple of the kernels' row blocks; fits in the L1 cache.
+  static constexpr std::ptrdiff_t tile_rows = 48;
 
+  // Throws Error if there is no layer or one does not fit the layer before. load() must follow.
   explicit FusedNetwork(std::vector<LayerShape> layers);
 
-  std::ptrdiff_t inputs() const { return layers_.front().inputs; }
-  std::ptrdiff_t outputs() const { return layers_.back().outputs; }
-  std::ptrdiff_t parameters() const;
+  std::ptrdiff_t inputs() const { return layers_.front().inputs; }   // of the first layer
+  std::ptrdiff_t outputs() const { return layers_.back().outputs; }  // of the last layer
+  std::ptrdiff_t parameters() const;                                 // numbers in all layers
 
-  // Flat parameters: per layer the weight [out, in] row-major, then the bias [out] if it has one.
+  // Takes flat parameters: per layer the weight [out, in] row-major, then the bias [out] if it has one.
   void load(const T* parameters);
 
-  // value [samples, outputs]; if direction [samples, inputs] is not null, also derivative [samples, outputs].
+  // x [samples, inputs], value [samples, outputs]; if direction [samples, inputs] is not null, also
+  // derivative [samples, outputs].
   void forward(std::ptrdiff_t samples, const T* x, const T* direction, T* value, T* derivative) const;
 
  private:
@@ -99,18 +103,19 @@ class FusedNetwork {
 template <typename T>
 class FusedTile {
  public:
-  explicit FusedTile(const FusedNetwork<T>& network);
+  explicit FusedTile(const FusedNetwork<T>& network);  // with a gradient of 0
 
-  // As FusedNetwork::forward; x and direction must live until backward.
+  // As FusedNetwork::forward for rows <= tile_rows; x and direction must live until backward.
   void forward(std::ptrdiff_t rows, const T* x, const T* direction, T* value, T* derivative);
   // Of the last forward: adds to the gradient and, unless null, writes the adjoint of the direction.
   void backward(const T* adjoint_value, const T* adjoint_derivative, T* adjoint_direction);
 
-  void clear_gradient();
+  void clear_gradient();  // sets it to 0
   // The gradient in the network's padded order, where gradients of several tiles may be added up.
   T* packed_gradient() { return gradient_.data(); }
-  std::ptrdiff_t packed_size() const { return network_.gradient_size_; }
-  void unpack_gradient(T* parameter_gradient) const;  // [parameters()]
+  std::ptrdiff_t packed_size() const { return network_.gradient_size_; }  // elements of packed_gradient()
+  // The gradient in the order of FusedNetwork::load: [parameters()].
+  void unpack_gradient(T* parameter_gradient) const;
 
  private:
   const FusedNetwork<T>& network_;

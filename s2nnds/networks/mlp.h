@@ -22,20 +22,21 @@ class MlpImpl : public torch::nn::Module {
 
   // x [N, n] -> N(x) [N, m].
   torch::Tensor forward(torch::Tensor x);
-  torch::Tensor theta;  // [parameters]
+  torch::Tensor theta;  // all weights: [parameters]
 
-  std::int64_t inputs() const { return shapes_.front().inputs; }
-  std::int64_t outputs() const { return shapes_.back().outputs; }
-  const std::vector<LayerShape>& shapes() const { return shapes_; }
-  std::vector<Layer> layers() const;                  // a double snapshot
-  void set_layers(const std::vector<Layer>& layers);  // throws Error if the shapes differ
+  std::int64_t inputs() const { return shapes_.front().inputs; }     // n
+  std::int64_t outputs() const { return shapes_.back().outputs; }    // m
+  const std::vector<LayerShape>& shapes() const { return shapes_; }  // of the layers, the first one first
+  std::vector<Layer> layers() const;                                 // the weights as doubles
+  void set_layers(const std::vector<Layer>& layers);                 // throws Error if the shapes differ
 
  private:
   std::vector<LayerShape> shapes_;
 };
+// Holds an MlpImpl; copies share it.
 TORCH_MODULE(Mlp);
 
-// sigma(z) by ATen.
+// sigma(z), element by element, by ATen.
 torch::Tensor activate(Activation activation, const torch::Tensor& z);
 
 }  // namespace s2nnds

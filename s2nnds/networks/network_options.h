@@ -11,14 +11,14 @@ namespace s2nnds {
 
 // Choices of one fully connected network.
 struct MlpOptions {
-  std::vector<std::int64_t> hidden = {64, 64, 64};
-  std::string activation = "tanh";  // of the hidden layers
-  std::string output_activation = "identity";
-  bool bias = true;
-  double first_layer_gain = 1.0;  // the first layer's start, times Xavier's
-  double first_layer_bias = 0.0;  // its biases start as N(0, this^2)
+  std::vector<std::int64_t> hidden = {64, 64, 64};  // neurons of each hidden layer, 1 to 4,096
+  std::string activation = "tanh";                  // of the hidden layers
+  std::string output_activation = "identity";       // of the last layer
+  bool bias = true;                                 // whether the layers have biases
+  double first_layer_gain = 1.0;  // the first layer's weights start as Xavier's times this, > 0
+  double first_layer_bias = 0.0;  // >= 0: its biases start as N(0, this^2), all others as 0
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names every key
 };
 
 // The dynamics f: R^n -> R^n with f(0) = 0.
@@ -26,10 +26,10 @@ struct MlpOptions {
 //   otherwise: f = g, a network without biases (profile paper). With odd activations f(-x) = -f(x), so that
 //     motions that pass through x and -x cannot be fitted.
 struct VectorFieldOptions {
-  MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};
-  bool zero_at_origin = true;
+  MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};  // g
+  bool zero_at_origin = true;  // f(x) = g(x) - g(0); where false, `bias` must be false too
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names the keys of `network` and its own
 };
 
 // The Lyapunov function V: R^n -> R with V(0) = 0.
@@ -38,28 +38,30 @@ struct VectorFieldOptions {
 //   scalar: V = phi, a network without biases (profile paper). In general grad V(0) is not 0, so V < 0
 //     somewhere arbitrarily near the goal, which samples may miss.
 struct LyapunovOptions {
-  MlpOptions network = {.hidden = {64, 64}};
+  MlpOptions network = {.hidden = {64, 64}};  // phi
+  // squared_norm: V(x) = |phi(x) - phi(0)|^2 + quadratic |x|^2; scalar: V = phi, `bias` must be false
   std::string form = "squared_norm";
-  std::int64_t features = 32;  // outputs of phi (squared_norm)
-  double quadratic = 0.05;     // eps_V (squared_norm)
+  std::int64_t features = 32;  // squared_norm: outputs of phi, 1 to 4,096
+  double quadratic = 0.05;     // squared_norm: the weight of |x|^2, eps_V, > 0
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names the keys of `network` and its own
 };
 
 // The barrier function B: R^n -> R; {B <= 0} is the safe set. A steep first layer lets {B = 0} turn sharp
 // corners, so that it follows obstacles, and motions that pass them closely, at a small distance.
 struct BarrierOptions {
-  MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};
+  MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};  // B itself
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names the keys of `network`
 };
 
+// The three networks of a run.
 struct NetworkOptions {
-  VectorFieldOptions f;
-  LyapunovOptions V;
-  BarrierOptions B;
+  VectorFieldOptions f;  // vector field
+  LyapunovOptions V;     // Lyapunov function
+  BarrierOptions B;      // barrier function
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names the groups f, V, B
 };
 
 // The shapes and starts of the paper's networks: no biases in f and V, tanh f, ELU V and B.

@@ -10,38 +10,38 @@
 
 namespace s2nnds {
 
-std::string_view to_string(Activation activation);
-Activation activation_from(std::string_view name);  // throws Error
-std::vector<std::string> activation_names();
+std::string_view to_string(Activation activation);  // its name: "tanh"
+Activation activation_from(std::string_view name);  // throws Error that lists the names there are
+std::vector<std::string> activation_names();        // of all activations
 
 // a = activation(weight * z + bias)
 struct Layer {
-  Points weight;  // [out, in]
-  Vector bias;    // [out], or empty: no bias
-  Activation activation = Activation::identity;
+  Points weight;                                 // [out, in]
+  Vector bias;                                   // [out], or empty: no bias
+  Activation activation = Activation::identity;  // of all its neurons
 };
 
 // What is made of the layers' output N(x).
 enum class Head {
   plain,           // y = N(x)
   zero_at_origin,  // y = N(x) - N(0), so that y(0) = 0 exactly
-  squared_norm,    // y = |N(x) - N(0)|^2 + quadratic |x|^2: y(0) = 0, grad y(0) = 0, y > 0 elsewhere if
-                   // quadratic > 0
+  // y = |N(x) - N(0)|^2 + quadratic |x|^2: y(0) = 0, grad y(0) = 0, y > 0 elsewhere if quadratic > 0
+  squared_norm,
 };
-std::string_view to_string(Head head);
-Head head_from(std::string_view name);  // throws Error
+std::string_view to_string(Head head);  // its name: "plain"
+Head head_from(std::string_view name);  // throws Error that lists the names there are
 
 // A network as numbers: the plain double snapshot that verification, evaluation and export see. It is what a
 // certificate speaks of.
 struct NetworkWeights {
-  std::vector<Layer> layers;
-  Head head = Head::plain;
-  double quadratic = 0.0;  // squared_norm only
+  std::vector<Layer> layers;  // from input to output; at least one
+  Head head = Head::plain;    // what is made of their output
+  double quadratic = 0.0;     // >= 0, for squared_norm only
 
-  Eigen::Index input_dimension() const;
-  Eigen::Index output_dimension() const;  // 1 for squared_norm
-  std::size_t parameter_count() const;
-  void check() const;  // throws Error on mismatched shapes or non-finite weights
+  Eigen::Index input_dimension() const;   // n; 0 without layers
+  Eigen::Index output_dimension() const;  // m: 1 for squared_norm; 0 without layers
+  std::size_t parameter_count() const;    // numbers in all weights and biases
+  void check() const;                     // throws Error on mismatched shapes or non-finite weights
 
   // y(x) for N points [N, n] -> [N, m], double precision.
   Points value(const Points& x) const;

@@ -10,7 +10,8 @@ namespace s2nnds {
 
 // Points on the boundary of a region, with the unit normals that point out of it.
 struct BoundaryPoints {
-  Points point, normal;  // [count, n]
+  // The points, one a row: [count, n]
+  Points point, normal;  // the normal at each point: [count, n], of length 1
 };
 
 // At most `count` points of the boundary inside the box, where segments from uniform points of the region to

@@ -21,10 +21,11 @@ class Region {
  public:
   virtual ~Region() = default;
 
-  virtual Eigen::Index dimension() const = 0;
+  virtual Eigen::Index dimension() const = 0;  // n
   // The level function at N points [N, n] -> [N]; negative inside. Throws Error on a wrong dimension, and
   // when the level is not a number somewhere.
   Vector level(const Points& x) const;
+  // Whether level(x) <= 0 at one point [n]; throws as level().
   bool contains(const Eigen::Ref<const Vector>& x) const;
   // Sound in floating point: `inside` only if every point of the box is in the set, `outside` only if none
   // is. Also unknown: empty boxes, boxes with NaN, and those where the level may not be defined.
@@ -35,48 +36,56 @@ class Region {
   virtual std::string describe() const = 0;
 
  protected:
+  // What level() returns after checking: x [N, n] has the right dimension, `level` becomes [N].
   virtual void evaluate(const Points& x, Vector& level) const = 0;
-  virtual Interval enclose(const Box& box) const = 0;  // of a box that is not empty
+  virtual Interval enclose(const Box& box) const = 0;  // what enclosure() returns, of a box that is not empty
 };
+// A region as problems hold it: shared and constant.
 using RegionPtr = std::shared_ptr<const Region>;
 
-// A region as a configuration writes it: type and the keys of that type.
+// A region as a configuration writes it: type and the keys of that type, in normalised coordinates.
 struct RegionOptions {
   // "none" (the empty set), ball, box, ellipsoid, polynomial, halfspace, expression, union, intersection,
   // complement; for an initial set also auto and ball_auto (safety_problem.h)
   std::string type = "none";
-  std::vector<double> center = {};             // ball, ellipsoid
-  double radius = 0.0;                         // ball, ball_auto: > 0
-  std::vector<double> semi_axes = {};          // ellipsoid, > 0: sum ((x_i - center_i) / semi_axes_i)^2 <= 1
-  std::vector<double> lower = {}, upper = {};  // box, infinite sides allowed
-  std::vector<double> normal = {};             // halfspace: normal . x <= offset
-  double offset = 0.0;
+  std::vector<double> center = {};     // ball, ellipsoid: [n]
+  double radius = 0.0;                 // ball, ball_auto: > 0
+  std::vector<double> semi_axes = {};  // ellipsoid: [n], > 0, sum ((x_i - center_i) / semi_axes_i)^2 <= 1
+  // box: the least coordinate along each axis, [n], -infinity allowed
+  std::vector<double> lower = {}, upper = {};  // box: the greatest, [n], infinity allowed
+  std::vector<double> normal = {};             // halfspace: [n], not 0, normal . x <= offset
+  double offset = 0.0;                         // halfspace: the bound of normal . x
   std::string level = {};  // expression, polynomial: closed form in x, y, z or x1..xn, <= 0 inside
   std::string file = {};   // polynomial: published coefficients (JSON: coefs, monomials) instead of `level`
   double sign = 1.0;       // polynomial: inside where sign * p <= 0; 1 or -1
-  std::vector<RegionOptions> of = {};  // union, intersection, complement (one)
+  std::vector<RegionOptions> of = {};  // union, intersection: one region or more; complement: one
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names only the keys that `type` has
 };
 
-// Throws Error saying which key of which region is wrong; `where` names the region in it. `data_dir` is where
-// `file` is looked up.
+// Builds the region in n = `dimension`. Throws Error saying which key of which region is wrong; `where` names
+// the region in it. `data_dir` is where `file` is looked up.
 RegionPtr make_region(const RegionOptions& options, Eigen::Index dimension, const std::string& data_dir = "",
                       const std::string& where = "region");
 
-// Levels: the signed distance for ball, half-space and (inside) box, which outside has the largest
-// coordinate's excess; the scaled radius for ellipsoids; the function itself for polynomials and expressions;
-// min, max and minus for union, intersection and complement; +infinity for the empty region. The factories
-// throw Error on sizes that do not match and on radii and semi-axes that are not positive.
-RegionPtr empty_region(Eigen::Index dimension);
+RegionPtr empty_region(Eigen::Index dimension);  // level +infinity
+// |x - center| <= radius; level: the signed distance. Throws Error unless center [n] is finite and radius is
+// finite and > 0.
 RegionPtr ball(const Vector& center, double radius);
+// level: inside the signed distance, outside the largest coordinate's excess. Throws Error if `box` is empty.
 RegionPtr box_region(const Box& box);
+// sum ((x_i - center_i) / semi_axes_i)^2 <= 1; level: (the root of the sum - 1) times the smallest semi-axis.
+// Throws Error unless center and semi_axes are both [n] and finite and the semi-axes > 0.
 RegionPtr ellipsoid(const Vector& center, const Vector& semi_axes);
+// normal . x <= offset; level: the signed distance. Throws Error if normal [n] is 0 or one is not finite.
 RegionPtr halfspace(const Vector& normal, double offset);
+// level: the closed form, as parse_expression() reads it. Throws Error as it does.
 RegionPtr expression(const std::string& level, Eigen::Index dimension);
 RegionPtr polynomial(const Polynomial& level, const std::string& name);  // `name` is how describe() calls it
+// level: the least of the regions' levels. Throws Error if there is none or their dimensions differ.
 RegionPtr unite(std::vector<RegionPtr> regions);
+// level: the greatest of the regions' levels. Throws Error as unite() does.
 RegionPtr intersect(std::vector<RegionPtr> regions);
-RegionPtr complement(RegionPtr region);  // closed: the boundary belongs to both
+RegionPtr complement(RegionPtr region);  // level: minus the region's; closed, so the boundary belongs to both
 
 }  // namespace s2nnds

@@ -22,8 +22,9 @@ class RegionSampler {
   bool empty() const { return cover_.empty(); }
   // [count, n]. Throws Error if empty.
   Points sample(std::size_t count, RandomStream& random) const;
-  // Bounds on the volume of the region within the box, from the paving; 0 if empty.
+  // Least volume of the region within the box: of the sub-boxes that lie inside; 0 if empty.
   double volume_inside() const { return volume_inside_; }
+  // Greatest volume of the region within the box: of all sub-boxes that may hold points; 0 if empty.
   double volume_cover() const { return volume_cover_; }
 
  private:

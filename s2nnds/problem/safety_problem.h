@@ -11,26 +11,27 @@ namespace s2nnds {
 
 // What a motion must satisfy, in normalised, goal-centred coordinates (the goal is the origin).
 struct SafetyProblem {
-  Box workspace;      // X
-  RegionPtr initial;  // X0
+  Box workspace;      // X, outside of which nothing is claimed
+  RegionPtr initial;  // X0, where motions start
   RegionPtr unsafe;   // Xu, the obstacle
   // {x : |x|_inf >= containment * workspace}, closed: entering it counts as leaving the workspace. Null if
   // the safe set need not be contained.
   RegionPtr workspace_margin;
 
-  Eigen::Index dimension() const { return workspace.dimension(); }
+  Eigen::Index dimension() const { return workspace.dimension(); }  // n
 };
 
+// What make_problem() builds the sets from, in normalised coordinates.
 struct ProblemOptions {
-  double workspace = 1.25;     // X = [-workspace, workspace]^n
-  double containment = 0.985;  // the safe set must lie in containment * X; 0: anywhere
-  double padding = 0.02;       // X0 of type "auto": grows it on every side
+  double workspace = 1.25;     // X = [-workspace, workspace]^n, workspace > 0
+  double containment = 0.985;  // in [0, 1): the safe set must lie in containment * X; 0: anywhere
+  double padding = 0.02;       // >= 0: X0 of type "auto" is grown by this on every side
   // "auto": the box around the demonstrations' first points, grown by `padding`, clipped to [-1, 1]^n;
   // "ball_auto": the ball of `radius` around their mean; or any region.
   RegionOptions initial = {.type = "auto"};
-  RegionOptions unsafe = {};
+  RegionOptions unsafe = {};  // Xu: any region; "none": no obstacle
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names every key
 };
 
 // Builds the sets and checks them. Throws Error, naming the place, when
