@@ -10,22 +10,24 @@ namespace s2nnds {
 
 // What the exported header computes f in.
 enum class HeaderPrecision {
-  float32,  // fastest; its error is bounded by PolicyInfo::float32_error, which the certificate compares with
-            // its margin
+  // Fastest; PolicyInfo::float32_error bounds its error, and the certificate compares that with its margin.
+  float32,
   float64,  // the certified function up to some 1e-14
 };
-HeaderPrecision header_precision_from(std::string_view name);  // "float", "double"; throws Error
+// "float" or "double"; throws Error on another name.
+HeaderPrecision header_precision_from(std::string_view name);
 
-// "policy_" and the name of the file without its extension, what is no letter or digit replaced by "_".
+// "policy_" and the name of the file without its extension; what is no letter or digit becomes "_".
 std::string policy_namespace(const std::string& path);
 
 // The policy as one C++17 header for control loops: no dependency but the standard library, no allocation, no
 // exception, no global state but constants. In the namespace `space`:
-//   velocity(x, v), lyapunov(x), barrier(x), safe(x) with x [n] a position in the data's unit, goal-centred,
-//   and v [n] in that unit per second: what the methods of the TorchScript policy compute. NaN in gives NaN
-//   (and not safe) out. V and B are computed in double whatever the precision, so that `safe` decides as the
-//   certified barrier does but for rounding in double (some 1e-14 of B).
-//   Constants: `precision` and every field of PolicyInfo.
+// - `velocity(x, v)`, `lyapunov(x)`, `barrier(x)`, `safe(x)` with x [n] a position in the data's unit,
+//   goal-centred, and v [n] in that unit per second: what the methods of the TorchScript policy compute. NaN
+//   in gives NaN (and not safe) out. V and B are computed in double whatever the precision, so that `safe`
+//   decides as the certified barrier does but for rounding in double (some 1e-14 of B);
+// - constants: `precision` and every field of PolicyInfo.
+//
 // Loops are written for the vector registers of GCC and Clang (SSE2 to AVX-512, NEON) as the flags allow, and
 // run one by one elsewhere. f(0) = 0 exactly for zero_at_origin networks. Throws Error if a weight of f is
 // beyond the precision's range.

@@ -15,18 +15,18 @@ namespace s2nnds {
 // position_scale, and their velocity f(z) * velocity_scale is the data's: this is the only place that says
 // so.
 struct PolicyInfo {
-  std::string name;
-  std::string unit;
-  std::string guarantee;
-  std::string statement;
-  std::string weight_hash;
-  std::int64_t dimension = 0;  // n
-  double position_scale = 1.0;
-  double velocity_scale = 1.0;
-  std::vector<double> workspace;  // [2 n]
-  double disturbance_margin = 0.0;
-  double convergence_radius = 0.0;
-  double float32_error = 0.0;
+  std::string name;                 // of the configuration
+  std::string unit;                 // of length: "mm", "m"; "" when unknown
+  std::string guarantee;            // "none", "sampled", "conformal", "proved" or "invariant"
+  std::string statement;            // what holds, in words
+  std::string weight_hash;          // SHA-256, in hexadecimal, of the networks that the guarantee speaks of
+  std::int64_t dimension = 0;       // n
+  double position_scale = 1.0;      // `unit` per normalised length, > 0
+  double velocity_scale = 1.0;      // `unit` per second and normalised velocity, > 0
+  std::vector<double> workspace;    // [2 n]: lower corner, upper corner
+  double disturbance_margin = 0.0;  // certified for x' = velocity(x) + w, |w| <= this; 0: none
+  double convergence_radius = 0.0;  // such motions reach this distance from the goal
+  double float32_error = 0.0;       // bound on |error| of the velocity in float, in the workspace
 
   // Calls visit(name, value, meaning) for every field, so that no exporter lists them again; a value is a
   // std::string, std::int64_t, double or std::vector<double>.
@@ -48,9 +48,10 @@ struct PolicyInfo {
   }
 };
 
+// What is exported.
 struct Policy {
-  Networks networks;
-  PolicyInfo info;
+  Networks networks;  // f, V and B, in normalised coordinates
+  PolicyInfo info;    // units, scales and the guarantee
 };
 
 // The policy of a stored run. A float32_error that the certificate does not state is computed.

@@ -3,9 +3,9 @@
 
 namespace s2nnds {
 
-// The texts of networks/simd_exponential.inl and deployment/policy_kernels.inl, which the build puts into the
-// program: source that exported C++ headers carry.
+// The text of networks/simd_exponential.inl, built into the program: exported C++ headers carry it.
 extern const char* const simd_exponential_source;
+// The same of deployment/policy_kernels.inl.
 extern const char* const policy_kernels_source;
 
 }  // namespace s2nnds

@@ -8,12 +8,14 @@
 namespace s2nnds {
 
 // The bytes of a TorchScript module (loads with torch.jit.load and torch::jit::load):
-//   forward(x)               positions [N, n] in the data's unit, goal-centred -> velocities [N, n] in that unit
-//                            per second
-//   lyapunov(x), barrier(x)  [N]
-//   safe(x)                  [N] bool: B <= 0 and inside the workspace
-// and every field of PolicyInfo as an attribute. Weights are float32, as they were trained; module.double()
-// evaluates in double. Throws Error if a weight is beyond float's range.
+// - `forward(x)`: velocities [N, n] in the data's unit per second, at positions x [N, n] in that unit,
+//   goal-centred;
+// - `lyapunov(x)`, `barrier(x)`: [N];
+// - `safe(x)`: [N] bool, B <= 0 and inside the workspace;
+// - every field of PolicyInfo as an attribute.
+//
+// Weights are float32, as they were trained; module.double() evaluates in double. Throws Error if a weight is
+// beyond float's range.
 std::string torchscript_module(const Policy& policy);
 
 }  // namespace s2nnds

@@ -10,24 +10,26 @@
 
 namespace s2nnds {
 
-// Lengths in normalised units.
+// Options of measure_robustness(). Lengths are in normalised units.
 struct RobustnessOptions {
-  // Starts a side of a grid over the workspace (at most 8 in 3-D; 400 Sobol points in more dimensions).
+  // Starts along each side of a grid over the workspace, >= 1 (at most 8 in 3-D; 400 Sobol points in more
+  // dimensions).
   int grid = 20;
-  int repetitions = 10;                  // perturbed starts, and pushes, of each demonstration's first point
-  double perturbation = 0.1;             // standard deviation, per axis, of what is added to a start
-  double push = 0.1;                     // length of the displacement in mid-motion, in a random direction
-  std::int64_t boundary_samples = 4000;  // of Xu's boundary, to measure distances to (8 times as many in 3-D)
-  RolloutOptions rollout = {};
+  int repetitions = 10;       // perturbed starts, and pushes, of each demonstration's first point, >= 0
+  double perturbation = 0.1;  // standard deviation, per axis, of what is added to a start, >= 0
+  double push = 0.1;          // length of the displacement in mid-motion, in a random direction, >= 0
+  // Points of Xu's boundary that distances are measured to, >= 1 (8 times as many in 3-D).
+  std::int64_t boundary_samples = 4000;
+  RolloutOptions rollout = {};  // how motions are followed
 };
 
 // How a set of motions ended. A motion is safe if it neither touches Xu nor leaves X, as far as it can be
 // followed. Normalised units; shares are in [0, 1].
 struct MotionOutcomes {
-  std::string starts;  // "grid", "perturbed", "pushed"
-  std::int64_t motions = 0;
-  double converged = 0.0;  // share that reaches the goal and is safe on its way
-  double safe = 0.0;       // share that is safe
+  std::string starts;        // "grid", "perturbed", "pushed"
+  std::int64_t motions = 0;  // how many were followed
+  double converged = 0.0;    // share that reaches the goal and is safe on its way
+  double safe = 0.0;         // share that is safe
   // Number of motions that a certificate of f and B speaks of: they start in {B <= 0}, and the displacement,
   // if any, ends there. 0 without a B.
   std::int64_t covered = 0;

@@ -5,9 +5,9 @@
 
 namespace s2nnds {
 
-// A motion is looked at every so often along its way (normalised length), and at most so often a step: a step
-// longer than 5 belongs to a motion that escapes.
+// A motion is looked at whenever it has gone on by this normalised length.
 inline constexpr double look_spacing = 0.005;
+// Looks in one step of the integration, at most: a step longer than 5 belongs to a motion that escapes.
 inline constexpr Eigen::Index most_looks = 1 << 10;
 
 // What ends a motion: the goal, the unsafe set, the edge of the workspace or its margin. Keeps references to
@@ -21,6 +21,7 @@ class RolloutEvents {
   // What happens at each of N finite points [N, n]; time_out stands for nothing. A point in several sets is
   // judged by the worst: unsafe, then outside, then the goal.
   std::vector<StopReason> at(const Points& x) const;
+  // What happens at one finite point [n].
   StopReason at_point(const Eigen::RowVectorXd& x) const { return at(Points(x)).front(); }
 
  private:

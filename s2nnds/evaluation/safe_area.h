@@ -5,9 +5,11 @@
 
 namespace s2nnds {
 
+// Areas within X (volumes in 3-D), in normalised units.
 struct SafeArea {
-  double safe_area = 0.0;       // of {B <= 0} within X (volume in 3-D), normalised units
+  double safe_area = 0.0;       // of {B <= 0}
   double true_safe_area = 0.0;  // of the points whose rollout is safe and reaches the goal
+  // How much of the true area B calls safe; NaN if both are 0.
   double ratio() const { return safe_area / true_safe_area; }
 };
 

@@ -15,13 +15,15 @@ namespace s2nnds {
 class StateFunction {
  public:
   StateFunction(const NetworkWeights& network);  // packs the weights once; throws Error as check() does
+  // From a callable Points -> Points, which is copied.
   template <typename F>
   requires std::is_invocable_r_v<Points, const F&, const Points&> StateFunction(F function)
       : value_(std::move(function)), quick_value_(value_) {}
 
+  // In double: [N, n] -> [N, m].
   Points value(const Points& x) const { return value_(x); }
-  // A network in single precision, several times as fast: for labels, of which a rounding may turn a few. Of
-  // a callable the same as value.
+  // A network in single precision, several times as fast: for labels, where a rounding error may turn a few.
+  // The same as value() for a callable.
   Points quick_value(const Points& x) const { return quick_value_(x); }
 
  private:

@@ -8,29 +8,29 @@
 
 namespace s2nnds {
 
-// The three networks in training.
+// The three networks in training, in normalised coordinates. Empty until they are set.
 struct Modules {
-  VectorField f{nullptr};
-  Lyapunov V{nullptr};
-  Barrier B{nullptr};
+  VectorField f{nullptr};  // xdot = f(x): [N, n] -> [N, n]
+  Lyapunov V{nullptr};     // Lyapunov function: [N, n] -> [N]
+  Barrier B{nullptr};      // barrier function, safe where B <= 0: [N, n] -> [N]
 };
 
-// A training step's samples as tensors; a set without points may be undefined.
+// The samples of one training step as tensors [N, n]. A set without points may be an undefined tensor.
 using BatchTensors = BatchOf<torch::Tensor>;
 
-// A step's loss: its terms, each with its weight applied, and their sum, which is differentiable in the
-// networks' parameters.
+// The loss of one training step.
 struct LossValue {
-  PerTerm<double> terms{};
-  torch::Tensor total;
+  PerTerm<double> terms{};  // each with its weight applied
+  torch::Tensor total;      // the sum of the terms, a scalar; differentiable in the networks' parameters
 };
 
-// The quantities at a set's samples, of which there must be some. Differentiable in the parameters: the dots by
-// torch::autograd::grad with create_graph, so that a loss on them needs a double backward.
+// The quantities at the samples of one set, which must not be empty. They are differentiable in the
+// parameters. The dots come from torch::autograd::grad with create_graph, so a loss on them needs a double
+// backward.
 SampleTensors quantities_at(Modules& networks, const BatchTensors& batch, Samples set,
                             const Quantities& needs);
 
-// The loss by torch operations and autograd: the reference.
+// The loss by torch operations and autograd, which the fused engine is compared with.
 LossValue autograd_loss(Modules& networks, const LossTable& table, const LossOptions& options,
                         const BatchTensors& batch, Trains trains = Trains::all);
 

@@ -10,14 +10,18 @@ namespace s2nnds {
 
 // What a round trains besides, where motions entered {B > 0}.
 struct Backtracked {
-  Points upstream;            // [k, n]: B should be positive here
-  Points position, velocity;  // [m, n]: what f should do there
+  Points upstream;  // [k, n]: B should be positive here
+  Points position,  // [m, n]
+      velocity;     // [m, n]: what f should be at `position`
 };
 
+// Options of backtrack().
 struct BacktrackOptions {
-  std::int64_t motions = 64;  // followed back, at most
-  double level_band = 0.01;   // eps_B: |B| at their ends, at most
-  double gain = 0.5;  // towards the nearest demonstration sample, 1 / normalised time: gentle, as f is
+  std::int64_t motions = 64;  // motions that are followed back, at most; >= 0
+  double level_band = 0.01;   // eps_B > 0: at their ends |B| is less than this
+  // Speed towards the nearest demonstration sample per distance to it, 1 / normalised time, >= 0: small, as
+  // the velocities of f are.
+  double gain = 0.5;
 };
 
 // The motions of xdot = f(x) that come to `ends` [N, n], one a row, followed back until they leave the box,

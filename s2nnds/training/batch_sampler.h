@@ -13,19 +13,23 @@
 
 namespace s2nnds {
 
+// The points of one training step as they are drawn.
 using Batch = BatchOf<Points>;
 
 // Counterexamples found so far: what a checkpoint keeps besides the networks.
 struct CounterexamplePools {
-  Points workspace, initial, unsafe;  // [k, n], oldest first
+  Points workspace,  // [k, n], oldest first: where a condition on X was violated
+      initial,       // the same on X0
+      unsafe;        // the same on Xu and the workspace margin
 };
 
-// Points of a batch that no option counts: about as many as of Xu, so that no term starves.
-inline constexpr Eigen::Index labelled_points = 256;  // by rollouts, half of them safe
-inline constexpr Eigen::Index upstream_points = 128;  // of motions followed back into {B > 0}
-inline constexpr Eigen::Index correction_points =
-    64;  // of motions followed back to X0, beside the demonstrations
-inline constexpr Eigen::Index boundary_points_drawn = 128;  // of the obstacle's boundary
+// Points of a batch whose label comes from a rollout, half of them safe. This number and the next three are
+// no options: they are near BatchOptions::unsafe, so that each term of the loss has enough points.
+inline constexpr Eigen::Index labelled_points = 256;
+inline constexpr Eigen::Index upstream_points = 128;  // points of motions followed back into {B > 0}
+// Points of motions followed back to X0. They come on top of BatchOptions::demonstrations.
+inline constexpr Eigen::Index correction_points = 64;
+inline constexpr Eigen::Index boundary_points_drawn = 128;  // points of the obstacle's boundary
 
 // Draws training batches. What it knows of the networks (points near {B = 0}, rollout labels, motions
 // followed back) is handed to it.
@@ -37,19 +41,24 @@ class BatchSampler {
   BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
                const TrainerOptions& options);
 
-  Batch draw(RandomStream& random) const;
-  Points uniform(std::int64_t count, RandomStream& random) const;  // in X: [count, n]
+  Batch draw(RandomStream& random) const;                          // the points of one step
+  Points uniform(std::int64_t count, RandomStream& random) const;  // uniform in X: [count, n]
 
+  // Appends the points to the pools. A pool that is full forgets its oldest points.
   void add(const Counterexamples& found);
+  // Points [k, n] near {B = 0}, of which BatchOptions::share_band draws.
   void set_near_band(Points points) { near_band_ = std::move(points); }
+  // Points [k, n] whose rollouts are safe, and points whose rollouts are not.
   void set_labels(Points safe, Points unsafe_rollouts);
+  // What motions followed back ask for, until the next call.
   void set_backtracked(Backtracked backtracked) { backtracked_ = std::move(backtracked); }
 
-  const CounterexamplePools& pools() const { return pools_; }
-  void set_pools(CounterexamplePools pools) { pools_ = std::move(pools); }
-  const Points& position() const { return position_; }  // demonstration samples that were kept
-  const Points& velocity() const { return velocity_; }
-  const Vector& jitter() const { return jitter_; }  // standard deviation of each sample's displacement
+  const CounterexamplePools& pools() const { return pools_; }               // for a checkpoint
+  void set_pools(CounterexamplePools pools) { pools_ = std::move(pools); }  // of a checkpoint
+  const Points& position() const { return position_; }  // [K, n]: demonstration samples that are kept
+  const Points& velocity() const { return velocity_; }  // [K, n]: the velocities there
+  const Vector& jitter() const { return jitter_; }  // [K]: standard deviation of each sample's displacement
+  // Demonstration samples that are left out: too near to the unsafe set.
   std::int64_t left_out_samples() const { return left_out_; }
 
  private:

@@ -10,8 +10,8 @@
 
 namespace s2nnds {
 
-// Of the violators of one condition a source hands on so many, the worst: more would crowd out the pools what
-// earlier rounds found.
+// A source hands on at most this many violators of one condition, the worst ones: more would push out of the
+// pools what earlier rounds found.
 inline constexpr std::int64_t counterexamples_kept = 500;
 
 // Points that violate a condition, worst first, and how many were seen in all.
@@ -20,7 +20,7 @@ struct Counterexamples {
   std::array<std::int64_t, condition_count> counts{};   // violations found (points may hold fewer)
   std::array<std::int64_t, condition_count> samples{};  // points examined where the condition applied
 
-  std::int64_t total() const;
+  std::int64_t total() const;  // the sum of `counts`
 };
 
 // Something that looks for points where the networks violate a condition: random sampling, local search, or
@@ -29,7 +29,8 @@ struct Counterexamples {
 class CounterexampleSource {
  public:
   virtual ~CounterexampleSource() = default;
-  // `round` names the random streams, so that a resumed run sees what an unbroken one would.
+  // The violators of every condition. `level_band` is eps_B; `round` names the random streams of `seed`, so
+  // that a resumed run sees what an unbroken one would.
   virtual Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                                std::uint64_t seed, std::int64_t round) = 0;
   // Asked only when all sources before it found nothing in a round that could be the last (a proof costs more

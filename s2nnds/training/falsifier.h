@@ -6,14 +6,18 @@
 
 namespace s2nnds {
 
+// Options of both searches below.
 struct FalsifierOptions {
-  std::int64_t samples = 200000;  // uniform in X; a tenth as many each in X0, Xu and the workspace margin
-  std::int64_t keep = counterexamples_kept;  // worst violators of each condition that are handed on
+  // Uniform samples in X, >= 1; a tenth as many each in X0, Xu and the workspace margin. LocalSearchFalsifier
+  // takes a tenth of all of these.
+  std::int64_t samples = 200000;
+  std::int64_t keep = counterexamples_kept;  // worst violators of each condition that are handed on, >= 0
 };
 
 // Algorithm 2's search: fresh uniform samples of every region.
 class RandomFalsifier : public CounterexampleSource {
  public:
+  // Copies what it needs of the problem.
   RandomFalsifier(const SafetyProblem& problem, const FalsifierOptions& options);
   bool samples_uniformly() const override { return true; }
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
@@ -28,6 +32,8 @@ class RandomFalsifier : public CounterexampleSource {
 // shrinking length: finds violations on sets too small for uniform samples.
 class LocalSearchFalsifier : public CounterexampleSource {
  public:
+  // For each condition: `starts` points, each of which tries `steps` random steps. A step is normal with a
+  // standard deviation that begins at 0.02 of the workspace's largest half width and falls by 0.75 a step.
   LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options, int starts = 200,
                        int steps = 20);
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,

@@ -12,6 +12,7 @@ namespace s2nnds {
 // (betas 0.9 and 0.999, epsilon 1e-8).
 class FlatAdam {
  public:
+  // `weight_decay` >= 0: in a step every parameter loses rate * weight_decay of itself.
   explicit FlatAdam(double weight_decay) : weight_decay_(weight_decay) {}
 
   // One step from `gradient` [count]; count is the same in every call.

@@ -9,21 +9,22 @@
 
 namespace s2nnds {
 
-// Points of a batch: [count, n] row-major; count may be 0.
+// Points of a batch [count, n], row-major, in memory that somebody else owns.
 template <typename T>
 struct PointsView {
-  const T* data = nullptr;
-  std::ptrdiff_t count = 0;
+  const T* data = nullptr;   // [count * n]
+  std::ptrdiff_t count = 0;  // may be 0
 };
 
+// The points of one training step without a copy; T is float or double.
 template <typename T>
 using BatchView = BatchOf<PointsView<T>>;
 
 // A network's layers and what is made of their output.
 struct NetworkShape {
-  std::vector<LayerShape> layers;
-  Head head = Head::plain;
-  double quadratic = 0.0;
+  std::vector<LayerShape> layers;  // from input to output
+  Head head = Head::plain;         // what is made of the last layer's output
+  double quadratic = 0.0;          // eps_V of squared_norm, >= 0; else unused
 };
 
 // A table's loss and its gradients in closed form, in one pass over the batch: every tile of samples goes
@@ -33,6 +34,7 @@ struct NetworkShape {
 template <typename T>
 class FusedLoss {
  public:
+  // Makes the plan of the computation once; throws Error where the shapes do not fit each other.
   FusedLoss(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B, const LossTable& table,
             const LossOptions& options, Trains trains = Trains::all);
   ~FusedLoss();
@@ -40,8 +42,8 @@ class FusedLoss {
   FusedLoss& operator=(const FusedLoss&) = delete;
 
   // Returns the terms, each with its weight applied, and writes the gradients of their sum in the flat
-  // parameters of f, V and B; those of f and V are zero when the barrier alone trains. Nothing is computed for
-  // a term of weight 0.
+  // parameters of f, V and B; those of f and V are zero when the barrier alone trains. Nothing is computed
+  // for a term of weight 0.
   PerTerm<double> run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch,
                       T* gradient_f, T* gradient_V, T* gradient_B);
 

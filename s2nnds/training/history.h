@@ -10,9 +10,13 @@
 
 namespace s2nnds {
 
-// What a round is for. `search`: a certificate. After it, keeping only what is clean, `imitation_finetune`:
-// an f nearer to the demonstrations, and `enlarge`: a larger safe set, B alone trained.
-enum class Stage : std::uint8_t { search, imitation_finetune, enlarge };
+// What a round is for. The stages after `search` keep only rounds without counterexamples.
+enum class Stage : std::uint8_t {
+  search,              // a certificate
+  imitation_finetune,  // an f nearer to the demonstrations
+  // A larger safe set; B alone trains.
+  enlarge
+};
 
 // One row of the history: a round of joint training and the search for counterexamples after it.
 struct RoundSummary {
@@ -24,12 +28,14 @@ struct RoundSummary {
   std::int64_t found_by_sampling = 0;                  // of these, by sources that sample uniformly
   std::int64_t pool = 0;                               // counterexamples kept for training
   double safe_share = 0.0;                             // of the label points, those with safe rollouts
-  Stage stage = Stage::search;
-  double seconds = 0.0;  // of training since its start, interruptions left out
+  Stage stage = Stage::search;                         // what the round was for
+  double seconds = 0.0;                                // of training since its start, interruptions left out
 
+  // The sum of `counts`.
   std::int64_t counterexamples() const {
     return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
   }
+  // Whether it was a round of joint training after which no source found a counterexample.
   bool clean() const { return round > 0 && counterexamples() == 0; }
 };
 

@@ -16,16 +16,18 @@ enum class Engine {
   fused,     // FusedLoss: fast
   autograd,  // torch operations and double backward: the reference
 };
-Engine engine_from(std::string_view name);  // throws Error
+Engine engine_from(std::string_view name);  // "fused", "autograd"; throws Error on another name
 
 // The loss of three networks, again and again. The networks keep their identity: their weights may change
 // between calls, the modules may not.
 class JointLoss {
  public:
+  // Keeps the modules, and copies the table and the options. The fused engine takes its shapes from the
+  // modules.
   JointLoss(const Modules& networks, const LossTable& table, const LossOptions& options, Engine engine,
             Trains trains = Trains::all);
 
-  // Throws Error if tensors do not fit.
+  // The loss of one batch. Throws Error if the shapes or types of its tensors do not fit.
   LossValue operator()(const BatchTensors& batch);
 
  private:

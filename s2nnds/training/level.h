@@ -10,19 +10,21 @@
 
 namespace s2nnds {
 
+// Options of LevelChoice. All but `samples` are in the unit of B.
 struct LevelOptions {
-  std::int64_t samples = 50000;  // uniform in X; two fifths as many each in X0, Xu and the workspace margin
-  double level_band = 0.01;      // eps_B
-  double reach = 0.1;            // |c| at most
-  double slack = 0.005;          // X0 and Xu must keep this far (in B) from {B = c}
-  double slack_decrease = 0.03;  // where |B - c| <= 1.5 level_band, Bdot <= -slack_decrease
+  // Uniform in X, >= 1; two fifths as many each in X0, Xu and the workspace margin.
+  std::int64_t samples = 50000;
+  double level_band = 0.01;      // eps_B > 0
+  double reach = 0.1;            // |c| at most, >= 0
+  double slack = 0.005;          // B differs from c by at least this on X0 and Xu, >= 0
+  double slack_decrease = 0.03;  // where |B - c| <= 1.5 level_band, Bdot <= -slack_decrease; >= 0
 };
 
 // Which level set of B to call {B = 0}. The conditions on B speak of one level set only, and what training
 // has made of B may violate them there, but hold, or hold for a larger set, at a level nearby.
 class LevelChoice {
  public:
-  LevelChoice(const SafetyProblem& problem, const LevelOptions& options);
+  LevelChoice(const SafetyProblem& problem, const LevelOptions& options);  // copies what it needs of them
 
   // The largest c in [-reach, reach] such that no sample violates a condition of B - c, with the slack; none
   // if there is no such c. Samples only: whoever shifts B must look again.

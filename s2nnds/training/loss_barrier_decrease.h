@@ -7,16 +7,19 @@
 
 namespace s2nnds {
 
-// w relu(Bdot + margin_barrier_decrease), w = exp(-(B / band_width)^2) held constant: around {B = 0}. If w
-// trained, B would move away from zero instead of falling there.
+// w relu(Bdot + margin_barrier_decrease) on X, w = exp(-(B / band_width)^2): it counts around {B = 0}. w is
+// held constant: if it trained, B would move away from zero instead of falling there.
 struct BarrierDecreasePenalty {
+  // What the penalty is computed from.
   static constexpr Quantities needs{.B = true, .B_dot = true};
-  static constexpr Quantities constant{.B = true};
+  static constexpr Quantities constant{.B = true};  // w
 
+  // The penalties [N], by torch operations.
   static torch::Tensor values(const LossOptions& o, const SampleTensors& at) {
     return torch::exp(-(at.B / o.band_width).square()) * torch::relu(at.B_dot + o.margin_barrier_decrease);
   }
 
+  // The penalty of one sample; adds weight times its derivatives to at.by_B_dot.
   template <typename T>
   static double value(const LossOptions& o, double weight, const Sample<T>& at) {
     const double z = at.B_dot + o.margin_barrier_decrease;
@@ -29,12 +32,15 @@ struct BarrierDecreasePenalty {
 
 // The paper's (8) as printed: LR(Bdot - margin_barrier_decrease) on all of X.
 struct PaperBarrierDecreasePenalty {
+  // What the penalty is computed from.
   static constexpr Quantities needs{.B_dot = true};
 
+  // The penalties [N], by torch operations.
   static torch::Tensor values(const LossOptions& o, const SampleTensors& at) {
     return torch::leaky_relu(at.B_dot - o.margin_barrier_decrease, o.leak);
   }
 
+  // The penalty of one sample; adds weight times its derivatives to at.by_B_dot.
   template <typename T>
   static double value(const LossOptions& o, double weight, const Sample<T>& at) {
     const Rectified penalty = rectified(at.B_dot - o.margin_barrier_decrease, o.leak);

@@ -7,12 +7,15 @@ namespace s2nnds {
 
 // |f(x) - xdot|^2 on the demonstrations, the paper's (6).
 struct ImitationPenalty {
+  // What the penalty is computed from.
   static constexpr Quantities needs{.f = true};
 
+  // The penalties [N], by torch operations.
   static torch::Tensor values(const LossOptions&, const SampleTensors& at) {
     return (at.f - at.beside).square().sum(1);
   }
 
+  // The penalty of one sample; adds weight times its derivatives to at.by_f.
   template <typename T>
   static double value(const LossOptions&, double weight, const Sample<T>& at) {
     double sum = 0.0;

@@ -7,15 +7,19 @@
 
 namespace s2nnds {
 
-// log(1 + relu(q)), q = Vdot / (V + 1e-6) + decay_rate: the decay rate along motions, free of V's scale.
+// log(1 + relu(q)) on X, q = Vdot / (V + 1e-6) + decay_rate: how far V's decay rate along motions falls
+// short, whatever the scale of V.
 struct LyapunovPenalty {
+  // What the penalty is computed from.
   static constexpr Quantities needs{.V = true, .V_dot = true};
-  static constexpr double tiny = 1e-6;  // V = 0 at the goal
+  static constexpr double tiny = 1e-6;  // added to V, which is 0 at the goal
 
+  // The penalties [N], by torch operations.
   static torch::Tensor values(const LossOptions& o, const SampleTensors& at) {
     return torch::log1p(torch::relu(at.V_dot / (at.V + tiny) + o.decay_rate));
   }
 
+  // The penalty of one sample; adds weight times its derivatives to at.by_V and at.by_V_dot.
   template <typename T>
   static double value(const LossOptions& o, double weight, const Sample<T>& at) {
     const double scale = at.V + tiny, q = at.V_dot / scale + o.decay_rate;
@@ -27,15 +31,18 @@ struct LyapunovPenalty {
   }
 };
 
-// The paper's (7) as printed: LR(margin_positive - V) + LR(Vdot - margin_decrease), LR the leaky ReLU.
+// The paper's (7) as printed: LR(margin_positive - V) + LR(Vdot - margin_decrease) on X, LR the leaky ReLU.
 struct PaperLyapunovPenalty {
+  // What the penalty is computed from.
   static constexpr Quantities needs{.V = true, .V_dot = true};
 
+  // The penalties [N], by torch operations.
   static torch::Tensor values(const LossOptions& o, const SampleTensors& at) {
     return torch::leaky_relu(o.margin_positive - at.V, o.leak) +
            torch::leaky_relu(at.V_dot - o.margin_decrease, o.leak);
   }
 
+  // The penalty of one sample; adds weight times its derivatives to at.by_V and at.by_V_dot.
   template <typename T>
   static double value(const LossOptions& o, double weight, const Sample<T>& at) {
     const Rectified positive = rectified(o.margin_positive - at.V, o.leak);

@@ -5,18 +5,21 @@
 
 namespace s2nnds {
 
-// Speed away from the obstacle, in units of the fastest demonstration's. That f points outwards at all is what
-// counts; a larger margin would push motions away that only pass.
+// Speed away from the obstacle, in units of the fastest demonstration's. That f points outwards at all is
+// what counts; a larger margin would push motions away that only pass.
 inline constexpr double kObstacleNormalMargin = 0.02;
 
 // relu(margin - n.f(x)) on the obstacle's boundary, n its unit normal outwards.
 struct ObstacleNormalPenalty {
+  // What the penalty is computed from.
   static constexpr Quantities needs{.f = true};
 
+  // The penalties [N], by torch operations.
   static torch::Tensor values(const LossOptions&, const SampleTensors& at) {
     return torch::relu(kObstacleNormalMargin - (at.f * at.beside).sum(1));
   }
 
+  // The penalty of one sample; adds weight times its derivatives to at.by_f.
   template <typename T>
   static double value(const LossOptions&, double weight, const Sample<T>& at) {
     double leaving = 0.0;

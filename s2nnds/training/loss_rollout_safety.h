@@ -11,12 +11,15 @@ inline constexpr double kRolloutSafetyMargin = 0.02;
 
 // relu(B + margin) where rollouts are safe.
 struct SafeRolloutPenalty {
+  // What the penalty is computed from.
   static constexpr Quantities needs{.B = true};
 
+  // The penalties [N], by torch operations.
   static torch::Tensor values(const LossOptions&, const SampleTensors& at) {
     return torch::relu(at.B + kRolloutSafetyMargin);
   }
 
+  // The penalty of one sample; adds weight times its derivatives to at.by_B.
   template <typename T>
   static double value(const LossOptions&, double weight, const Sample<T>& at) {
     const Rectified penalty = rectified(at.B + kRolloutSafetyMargin);
@@ -27,12 +30,15 @@ struct SafeRolloutPenalty {
 
 // relu(margin - B) where they are not.
 struct UnsafeRolloutPenalty {
+  // What the penalty is computed from.
   static constexpr Quantities needs{.B = true};
 
+  // The penalties [N], by torch operations.
   static torch::Tensor values(const LossOptions&, const SampleTensors& at) {
     return torch::relu(kRolloutSafetyMargin - at.B);
   }
 
+  // The penalty of one sample; adds weight times its derivatives to at.by_B.
   template <typename T>
   static double value(const LossOptions&, double weight, const Sample<T>& at) {
     const Rectified penalty = rectified(kRolloutSafetyMargin - at.B);

@@ -9,9 +9,12 @@ namespace s2nnds {
 
 // The quantities of a set's N samples; undefined where nothing asks for them.
 struct SampleTensors {
-  torch::Tensor beside;              // [N, n]: the demonstrations' velocities, the boundary's normals
-  torch::Tensor f;                   // [N, n]
-  torch::Tensor V, V_dot, B, B_dot;  // [N]
+  torch::Tensor beside;  // [N, n]: the demonstrations' velocities, the boundary's normals
+  torch::Tensor f;       // f(x), [N, n]
+  torch::Tensor V,       // V(x), [N]
+      V_dot,             // grad V(x) . f(x), [N]
+      B,                 // B(x), [N]
+      B_dot;             // grad B(x) . f(x), [N]
 };
 
 }  // namespace s2nnds

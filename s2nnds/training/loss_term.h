@@ -7,8 +7,8 @@
 
 namespace s2nnds {
 
-// The terms of the training loss. Options (weights), losses (values), history and checkpoint carry one value a
-// term, in a PerTerm.
+// The terms of the training loss. Options (weights), losses (values), history and checkpoint carry one value
+// a term, in a PerTerm.
 enum class LossTerm : std::size_t {
   imitation,         // f on the demonstrations, the paper's (6)
   lyapunov,          // V positive and falling along motions, (7)
@@ -22,21 +22,25 @@ enum class LossTerm : std::size_t {
 inline constexpr std::array<std::string_view, 6> loss_term_names = {
     "imitation", "lyapunov", "barrier_sets", "barrier_decrease", "rollout_safety", "obstacle_normal"};
 
+// Every term, in the order of the enumerators.
 inline constexpr auto all_loss_terms = [] {
   std::array<LossTerm, loss_term_names.size()> all{};
   for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<LossTerm>(k);
   return all;
 }();
 
+// The term's name: its enumerator.
 constexpr std::string_view to_string(LossTerm term) {
   return loss_term_names[static_cast<std::size_t>(term)];
 }
 
-// One T for every term of the loss.
+// One T for each term of the loss, found by the term.
 template <typename T>
 struct PerTerm : std::array<T, all_loss_terms.size()> {
-  using Base = std::array<T, all_loss_terms.size()>;
+  using Base = std::array<T, all_loss_terms.size()>;  // in the order of the enumerators
+  // The value of one term.
   constexpr T& operator[](LossTerm term) { return Base::operator[](static_cast<std::size_t>(term)); }
+  // The value of one term.
   constexpr const T& operator[](LossTerm term) const {
     return Base::operator[](static_cast<std::size_t>(term));
   }

@@ -10,8 +10,8 @@ namespace s2nnds {
 
 // What the next round of training does.
 struct RoundPlan {
-  bool finished = false;  // there is no next round; the rest means nothing then
-  Stage stage = Stage::search;
+  bool finished = false;             // there is no next round; the rest means nothing then
+  Stage stage = Stage::search;       // what the round is for
   std::int64_t refining = 0;         // place in a row of rounds that refine, from 1; 0: does not refine
   bool starts_anew = false;          // the rates are back at their full height, and B is drawn anew
   bool labels_rollouts = false;      // fresh points are labelled by their rollouts first

@@ -14,20 +14,22 @@
 
 namespace s2nnds {
 
-// All that training needs to go on as if it had never stopped; random streams are named by round, so they
-// need none.
+// All that training needs to go on as if it had never stopped. It holds no random numbers: their streams are
+// named by round.
 struct TrainerState {
-  Networks networks;
-  CounterexamplePools pools;
+  Networks networks;                  // f, V and B after the last round
+  CounterexamplePools pools;          // the counterexamples found so far
   std::vector<RoundSummary> history;  // history[k].round == k
 };
 
+// How a training ended.
 struct TrainerSummary {
-  bool clean = false;  // the networks are those of a round that ended without counterexamples from any source
-  bool stopped = false;  // a callback asked to stop
-  std::int64_t rounds = 0;
+  // Whether the networks are those of a round that ended without counterexamples from any source.
+  bool clean = false;
+  bool stopped = false;               // a callback asked to stop
+  std::int64_t rounds = 0;            // rounds of joint training, those before a resumption included
   std::int64_t left_out_samples = 0;  // demonstration samples too near to the obstacle
-  double seconds = 0.0;
+  double seconds = 0.0;               // of training, as RoundSummary::seconds
 };
 
 // Labels starts [N, n] by their rollouts under f: true where safe and reaching the goal.
@@ -41,17 +43,19 @@ class Trainer {
   Trainer(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
           const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed);
   ~Trainer();
-  Trainer(Trainer&&) noexcept;
+  Trainer(Trainer&&) noexcept;  // afterwards the other one may only be destroyed
 
+  // Asks this source too after every round, in the order of the calls; without a source every round is clean.
   void add_source(std::shared_ptr<CounterexampleSource> source);
+  // Sets what labels TrainerOptions::rollout_points.
   void set_rollout_labels(RolloutLabels labels);
   // Called after the warm start (round 0) and after every round; return false to stop.
   void on_round(std::function<bool(const RoundSummary&, const Trainer&)> callback);
 
-  TrainerSummary run();  // from the current state
-  TrainerState state() const;
+  TrainerSummary run();                     // trains from the current state to the end of the schedule
+  TrainerState state() const;               // as of the last round, for a checkpoint
   void restore(const TrainerState& state);  // throws Error if the networks do not fit
-  Networks networks() const;
+  Networks networks() const;                // f, V and B as they are now
 
  private:
   class Impl;

@@ -11,18 +11,19 @@ namespace s2nnds {
 
 // The first fit of f to the demonstrations alone.
 struct WarmStartOptions {
-  std::int64_t steps = 12000;  // Adam steps, over which the rate falls to 0 (cosine)
-  double rate = 2e-3;          // Adam's rate at first
-  double weight_decay = 0.1;   // decoupled (AdamW), of all weights of f
-  std::int64_t attempts = 4;   // starts of f at most: one that stalls is drawn anew
+  std::int64_t steps = 12000;  // Adam steps, >= 1, over which the rate falls to 0 (cosine)
+  double rate = 2e-3;          // Adam's rate at first, > 0
+  double weight_decay = 0.1;   // decoupled (AdamW), of all weights of f, >= 0
+  std::int64_t attempts = 4;   // starts of f at most, >= 1: one that stalls is drawn anew
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names every key and its range
 };
 
 // The losses of the joint training: the weighted sum of the terms of loss_term.h, whose formulas are in a
 // file each, loss_<term>.h. `paper` takes those of the paper's (7) and (8) as printed where they differ.
 struct LossOptions {
   std::string kind = "robust";  // robust, paper: the profile says which
+  // Factor of each term, >= 0; 0 leaves it out.
   PerTerm<double> weight = {{
       10.0,  // imitation
       5.0,   // lyapunov
@@ -35,66 +36,71 @@ struct LossOptions {
       // certificate harder to find.
       0.1,
   }};
-  double decay_rate = 0.1;
-  double margin_initial = 0.05;
-  double margin_unsafe = 0.05;
+  double decay_rate = 0.1;       // robust: 1 / normalised time, >= 0; Vdot <= -decay_rate V is wanted on X
+  double margin_initial = 0.05;  // in B, >= 0: B <= -margin_initial is wanted on X0
+  double margin_unsafe = 0.05;   // in B, >= 0: B >= margin_unsafe is wanted on Xu and the workspace margin
+  // In B per normalised time, >= 0. robust: Bdot <= -margin_barrier_decrease is wanted around {B = 0}. paper:
+  // Bdot <= margin_barrier_decrease on X, as printed.
   double margin_barrier_decrease = 0.05;
-  double band_width = 0.15;
-  double margin_positive = 0.01;  // paper: delta_l1
-  double margin_decrease = 0.0;   // paper: delta_l2, as printed: its sign favours Vdot < delta_l2
-  double leak = 0.0;              // of the leaky ReLU; 0: relu. The paper's alpha
+  double band_width = 0.15;       // robust: in B, > 0; barrier_decrease counts by exp(-(B / band_width)^2)
+  double margin_positive = 0.01;  // paper: delta_l1, in V, >= 0; V >= margin_positive is wanted on X
+  // paper: delta_l2, in V per normalised time, any sign. As printed: Vdot <= margin_decrease is wanted on X.
+  double margin_decrease = 0.0;
+  double leak = 0.0;  // paper: alpha, the slope of the leaky ReLU below 0, in [0, 1]; 0: relu
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names every key and its range
 };
 
-// How many samples a step draws, and where.
+// How many samples a step draws, and where. The shares may add up to 1 at most.
 struct BatchOptions {
-  std::int64_t demonstrations = 512;  // samples of the demonstrations a step
-  // Standard deviation (normalised units) of a normal displacement of those in X0: in the warm start in all
-  // directions, then across the velocity only. Motions start slowly, so what error of f turns them aside
+  std::int64_t demonstrations = 512;  // samples of the demonstrations a step, >= 1
+  // Standard deviation (normalised units, >= 0) of a normal displacement of those in X0: in the warm start in
+  // all directions, then across the velocity only. Motions start slowly, so what error of f turns them aside
   // there hardly shows in the imitation loss.
   double start_jitter = 0.02;
-  std::int64_t workspace = 512;        // samples of X a step
-  std::int64_t initial = 128;          // samples of X0 a step
-  std::int64_t unsafe = 256;           // samples of Xu a step, and as many of the workspace margin
-  double share_counterexamples = 0.3;  // of the samples of X: counterexamples, with a little jitter
-  double share_band = 0.25;            // of the samples of X: where B is nearly 0
-  double share_goal = 0.15;            // of the samples of X: at log-uniform distances to the goal
+  std::int64_t workspace = 512;  // samples of X a step, >= 1
+  std::int64_t initial = 128;    // samples of X0 a step, >= 1
+  std::int64_t unsafe = 256;     // samples of Xu a step, >= 1, and as many of the workspace margin
+  // Of the samples of X, in [0, 1]: counterexamples, with a little jitter.
+  double share_counterexamples = 0.3;
+  double share_band = 0.25;  // of the samples of X, in [0, 1]: where B is nearly 0
+  double share_goal = 0.15;  // of the samples of X, in [0, 1]: at log-uniform distances to the goal
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names every key and its range
 };
 
-// The schedule of rounds that these options make is in plan.h.
+// Options of the joint training. The schedule of rounds that they make is in plan.h.
 struct TrainerOptions {
   std::string engine = "fused";     // what computes losses and gradients: fused, autograd (the reference)
-  std::int64_t rounds = 40;         // rounds that search for a certificate, at most
-  std::int64_t min_rounds = 5;      // the first that may end the search: fewer underfit the demonstrations
-  std::int64_t steps = 500;         // Adam steps a round
-  double rate_f = 1e-3;             // Adam's rate for f
-  double rate_certificates = 5e-3;  // Adam's rate for V and B
-  double rate_decay = 0.9;          // factor of the rates from round to round
+  std::int64_t rounds = 40;         // rounds that search for a certificate, at most; >= 1
+  std::int64_t min_rounds = 5;      // first that may end the search, >= 1: fewer underfit the demonstrations
+  std::int64_t steps = 500;         // Adam steps a round, >= 1
+  double rate_f = 1e-3;             // Adam's rate for f, > 0
+  double rate_certificates = 5e-3;  // Adam's rate for V and B, > 0
+  double rate_decay = 0.9;          // factor of the rates from round to round, in (0, 1]
   // Rounds after which the rates start anew, with a B drawn anew: low rates do not change a bad shape, and
-  // some shapes no training changes. 0: never.
+  // some shapes no training changes. >= 0; 0: never.
   std::int64_t rate_period = 10;
   bool relax_weights = true;     // with every new start imitation, rollout_safety, obstacle_normal weigh less
   bool refine = true;            // a round after one that was nearly clean trains carefully
   bool backtrack = true;         // motions that violate a condition are followed back and corrected
-  double max_level_shift = 0.1;  // of B after a round, to a better level without violations; 0: none
-  std::int64_t imitation_finetune_rounds = 6;  // rounds after a clean one that fit f more closely
-  std::int64_t enlarge_rounds = 10;            // rounds after these that train B alone, for a larger safe set
-  double weight_decay = 0.2;                   // decoupled (AdamW), of all weights of f
-  std::int64_t rollout_points = 6000;          // points of X labelled by rollouts, anew every round; 0: none
-  double smoothing = 1.0;  // share of a phase regression's velocities in those that f is fitted to
-  // Demonstration samples nearer to Xu than this (normalised units, per axis) are left out; twice this for
-  // demonstrations that pass through Xu, whose samples within Xu by more than this stay.
+  double max_level_shift = 0.1;  // of B after a round, to a better level without violations, >= 0; 0: none
+  std::int64_t imitation_finetune_rounds = 6;  // rounds after a clean one that fit f more closely, >= 0
+  std::int64_t enlarge_rounds = 10;    // rounds after these that train B alone, for a larger safe set, >= 0
+  double weight_decay = 0.2;           // decoupled (AdamW), of all weights of f, >= 0
+  std::int64_t rollout_points = 6000;  // points of X labelled by rollouts, anew every round, >= 0; 0: none
+  double smoothing = 1.0;  // share, in [0, 1], of a phase regression in the velocities that f is fitted to
+  // Demonstration samples nearer to Xu than this (normalised units, per axis, >= 0) are left out; twice this
+  // for demonstrations that pass through Xu, whose samples within Xu by more than this stay.
   double obstacle_margin = 0.05;
-  std::int64_t samples = 200000;  // points of X in the random search for counterexamples after each round
-  double level_band = 0.01;       // eps_B: Bdot < 0 must hold where |B| <= level_band
-  WarmStartOptions warm_start;
-  LossOptions loss;
-  BatchOptions batch;
+  // Points of X in the random search for counterexamples after each round, >= 1.
+  std::int64_t samples = 200000;
+  double level_band = 0.01;     // eps_B > 0: Bdot < 0 must hold where |B| <= level_band
+  WarmStartOptions warm_start;  // the first fit of f alone
+  LossOptions loss;             // the terms of the loss
+  BatchOptions batch;           // the samples of a step
 
-  void visit(FieldVisitor& v);
+  void visit(FieldVisitor& v);  // names every key and its range
 };
 
 // The paper's algorithm: losses (6) to (8), Algorithm 2 with uniform samples and counterexamples only.

@@ -9,8 +9,9 @@
 
 namespace s2nnds {
 
+// How a warm start ended.
 struct WarmStartSummary {
-  double mse = 0.0;          // over all samples, after the last step
+  double mse = 0.0;  // mean of |f(x) - xdot|^2 over all samples, normalised units, after the last step
   std::int64_t attempt = 1;  // the start that was kept, from 1
   bool stalled = false;      // every attempt stalled; the best was kept
 };
