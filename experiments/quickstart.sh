@@ -26,12 +26,12 @@ code=0
 [[ $code -eq 0 || $code -eq 3 ]] || exit "$code"
 
 say "exporting the policy and drawing the figures"
-"$program" export "$out/Sine.h5" --format torchscript --out "$out/Sine.pt"
+"$program" export "$out/Sine.h5" --format header --out "$out/Sine.h"
 "$program" plot "$out/Sine.h5" --out "$out/figures"
 
 say "done"
 echo "  run file  $out/Sine.h5"
-echo "  policy    $out/Sine.pt   (TorchScript)"
+echo "  policy    $out/Sine.h    (C++ header; $program export --help lists the other formats)"
 echo "  figures   $out/figures/"
 printf '            %s\n' "$out"/figures/*
 "$program" info "$out/Sine.h5"

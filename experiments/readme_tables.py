@@ -6,7 +6,7 @@
     experiments/readme_tables.py --check [PAGE.md...]    exit code 1, naming page and table, when a page says something else
 
 Without pages: README.md and experiments/README.md, where they exist. A table stands between `<!-- NAME TABLE -->` and
-`<!-- end -->`: NAME is a file of experiments/results, TABLE one of its tables.
+`<!-- end -->`: NAME is a file of experiments/results, TABLE one of its tables, or `summary`, columns chosen from several.
 """
 
 import argparse
@@ -19,10 +19,40 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PAGES = [os.path.join(ROOT, name) for name in ("README.md", "experiments/README.md")]
 MARKED = re.compile(r"(<!-- (\w+) (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
+SUMMARY = {  # of a results file: (heading, table, column)
+    "lasa_table": [
+        ("motion", "guarantees", "motion"),
+        ("proved", "guarantees", "invariant"),
+        ("first proof [s]", "guarantees", "first s"),
+        ("training [s]", "guarantees", "train s"),
+        ("error", "accuracy", "mean of splits"),
+        ("without", "accuracy", "uncertified mean"),
+        ("GP", "accuracy", "GP mean"),
+        ("best", "accuracy", "best"),
+        ("paper", "accuracy", "published"),
+        ("safe", "guarantees", "of true"),
+    ]
+}
+
+
+def summary_of(name, tables):
+    """The rows that all chosen tables have, by their first column."""
+    def column(table, head):
+        at = tables[table]["head"].index(head)
+        return {row[0]: row[at] for row in tables[table]["rows"]}
+
+    columns = [column(table, head) for _, table, head in SUMMARY[name]]
+    rows = [key for key in columns[0] if all(key in cells for cells in columns)]
+    return {
+        "head": [heading for heading, _, _ in SUMMARY[name]],
+        "rows": [[cells[key] for cells in columns] for key in rows],
+    }
+
 
 def table_of(name, table):
     with open(os.path.join(ROOT, "experiments/results", name + ".json"), encoding="utf-8") as file:
-        table = json.load(file)["tables"][table]
+        tables = json.load(file)["tables"]
+    table = summary_of(name, tables) if table == "summary" else tables[table]
     lines = [" | ".join(row) for row in (table["head"], *table["rows"])]
     rule = "|" + "---|" * len(table["head"])
     return "\n".join([f"| {lines[0]} |", rule, *(f"| {line} |" for line in lines[1:])]) + "\n"

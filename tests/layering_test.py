@@ -20,6 +20,7 @@ LAYERS = [  # from the lowest; those of one line stand beside each other
 ]
 WITHOUT_TORCH = {"core", "data", "problem"}
 
+LICENCE = "// SPDX-License-Identifier: BSD-3-Clause"
 LIBRARY = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../s2nnds")
 INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
 LEVEL = {folder: level for level, folders in enumerate(LAYERS) for folder in folders}
@@ -37,8 +38,9 @@ def complaints_of(path, lines, is_file):
     found = []
     if path.endswith(".h") and "#pragma once" not in (line.strip() for line in lines):
         found.append((1, "a header begins with #pragma once"))
+    licence = 1 if lines[:1] == [LICENCE] else 0
     includes = [(k, m[1], m[2]) for k, m in ((k, INCLUDE.match(line)) for k, line in enumerate(lines, 1)) if m]
-    if path.endswith(".cpp") and is_file(name + ".h") and includes[:1] != [(1, '"', f"s2nnds/{name}.h")]:
+    if path.endswith(".cpp") and is_file(name + ".h") and includes[:1] != [(1 + licence, '"', f"s2nnds/{name}.h")]:
         found.append((1, f"the first line includes the file's own header, s2nnds/{name}.h"))
     for line, quote, what in includes:
         if quote == '"' and not what.startswith("s2nnds/"):
@@ -64,6 +66,7 @@ def check_the_rules():
     assert complains("core/a.h", "#pragma once", '#include "check.h"') == [2]
     assert complains("core/a.cpp", "#include <map>", '#include "s2nnds/core/a.h"', files=["core/a.h"]) == [1]
     assert not complains("core/a.cpp", '#include "s2nnds/core/a.h"', files=["core/a.h"])
+    assert not complains("core/a.cpp", LICENCE, '#include "s2nnds/core/a.h"', files=["core/a.h"])
     assert not complains("core/a.cpp", "#include <map>")
     assert complains("elsewhere/a.cpp", "") == [1]
 
