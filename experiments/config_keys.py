@@ -39,10 +39,10 @@ def structs(folder):
     for path in sorted(folder.rglob("*.h")):
         struct, before, last = None, [], None
         for line in path.read_text().splitlines():
-            opened = re.match(r"\s*struct (\w+)\b.*{$", line)
+            opened = re.match(r"\s*struct (\w+)(?: : (\w+))?\s*{$", line)
             if opened:
                 struct, before, last = opened[1], [], None
-                found.setdefault(struct, {})
+                found[struct] = {"base": (opened[2], "")} if opened[2] else {}
                 continue
             stripped = line.strip()
             if stripped.startswith("};") or struct is None:
@@ -83,7 +83,12 @@ def meaning(key, found, terms):
         struct = found[struct][part][0].split("::")[-1]
     if struct == "LossOptions" and parts[-1] in terms:
         return f"weight: {terms[parts[-1]]}"
-    return found.get(struct, {}).get(parts[-1], ("", ""))[1]
+    while struct:
+        members = found.get(struct, {})
+        if parts[-1] in members:
+            return members[parts[-1]][1]
+        struct = (members.get("base") or members.get("network") or ("", ""))[0]  # `network` is visited flat
+    return ""
 
 
 def cell(text):
