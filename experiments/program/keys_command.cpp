@@ -96,7 +96,7 @@ class KeyTable {
   void add_profile(const std::string& profile) {
     for (const Key& key : keys_of(default_config(profile))) {
       const auto known = known_.find(key.name);
-      if (known == known_.end() || rows_[known->second]["default"] == key.value) continue;
+      if (key.name == "profile" || known == known_.end() || rows_[known->second]["default"] == key.value) continue;
       rows_[known->second][profile] = key.value;
     }
   }

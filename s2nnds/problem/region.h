@@ -51,10 +51,10 @@ struct RegionOptions {
   std::vector<double> center = {};     // ball, ellipsoid: [n]
   double radius = 0.0;                 // ball, ball_auto: > 0
   std::vector<double> semi_axes = {};  // ellipsoid: [n], > 0, sum ((x_i - center_i) / semi_axes_i)^2 <= 1
-  // box: the least coordinate along each axis, [n], -infinity allowed
-  std::vector<double> lower = {}, upper = {};  // box: the greatest, [n], infinity allowed
-  std::vector<double> normal = {};             // halfspace: [n], not 0, normal . x <= offset
-  double offset = 0.0;                         // halfspace: the bound of normal . x
+  std::vector<double> lower = {};      // box: the least coordinates, [n], -infinity allowed
+  std::vector<double> upper = {};      // box: the greatest coordinates, [n], infinity allowed
+  std::vector<double> normal = {};     // halfspace: [n], not 0, normal . x <= offset
+  double offset = 0.0;                 // halfspace: the bound of normal . x
   std::string level = {};  // expression, polynomial: closed form in x, y, z or x1..xn, <= 0 inside
   std::string file = {};   // polynomial: published coefficients (JSON: coefs, monomials) instead of `level`
   double sign = 1.0;       // polynomial: inside where sign * p <= 0; 1 or -1
