@@ -538,7 +538,9 @@ def history_panels(columns):
     told = {name: column for name, column in columns.items() if np.isfinite(column).any() and np.nan_to_num(column).any()}
     losses = {("their sum" if name == "loss" else name): told[name] for name in TERMS if name in told}
     found = {name.removeprefix("count_"): told[name] for name in told if name.startswith("count_")}
-    safe = {"rollouts that stay safe": told["safe_share"]} if "safe_share" in told else {}
+    # A round without rollouts (the warm start) has no share.
+    share = told.get("safe_share")
+    safe = {} if share is None else {"rollouts that stay safe": np.where(share > 0, share, np.nan)}
     panels = (
         ("How large is each term of the loss, with its weight?", losses, "log"),
         ("How many counterexamples were found, and to which condition?", found, "symlog"),
