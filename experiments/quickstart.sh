@@ -13,7 +13,7 @@ say() {
   printf '\nquickstart: %s\n' "$*"
 }
 
-bash third_party/install.sh
+bash third_party/install.sh build
 say "building into build/release (the first time takes some minutes)"
 cmake --preset release
 cmake --build --preset release --target s2nnds_program

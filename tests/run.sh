@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-bash third_party/install.sh
+bash third_party/install.sh build test
 echo "tests/run.sh: building into build/release"
 cmake --preset release "$@"
 cmake --build --preset release
