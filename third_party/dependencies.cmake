@@ -1,13 +1,15 @@
-# Every dependency of the library, where it is found, and the least version. Debian 12 packages all of them:
-# third_party/install.sh installs them.
+# Every dependency of the library, where it is found, and the least version. third_party/install.sh installs them.
 # LibTorch is the distribution's or pip's (CMAKE_PREFIX_PATH=$(python3 -c "import torch; print(torch.utils.cmake_prefix_path)")).
 # pip's searches for a CUDA toolkit unless this target is there; only its part for the processor is linked.
 if(NOT TARGET torch::cudart)
   add_library(torch::cudart INTERFACE IMPORTED)
 endif()
+set(kineto_LIBRARY c10)  # pip's has it inside torch_cpu, and warns that it is nowhere else
 find_package(Threads REQUIRED)
 find_package(TBB 2021 REQUIRED)                               # loops shared among threads
-find_package(Torch 1.13 REQUIRED)                             # networks, autograd, TorchScript
+find_package(Torch 1.13 REQUIRED QUIET)                       # networks, autograd, TorchScript
+# Not quiet, it names the libtorch.so of the system also where it uses another.
+message(STATUS "Found Torch: ${TORCH_INSTALL_PREFIX} (found version \"${Torch_VERSION}\")")
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)                   # plain matrices
 find_package(Boost 1.74 REQUIRED CONFIG)                      # Math (incomplete beta), Odeint, Random (Sobol), Multiprecision (tests)
 find_package(HDF5 1.10 REQUIRED COMPONENTS C)                 # run files
