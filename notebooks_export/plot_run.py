@@ -329,12 +329,13 @@ def phase_portrait_3d(run):
         if has_zero(level):
             draw_surface(ax, grid.axes, level, *surface)
             handles.append(Patch(facecolor=patch[0], edgecolor=patch[1], label=label))
+    # Not add_collection3d for lines: from matplotlib 3.10 on it wants them of equal length.
     for label, colour, positions in demonstration_groups(run):
-        ax.add_collection3d(Line3DCollection(positions, colors=colour, linewidths=1.3, zorder=5))
+        ax.add_collection(Line3DCollection(positions, colors=colour, linewidths=1.3, zorder=5))
         handles.append(line(label, colour))
     for label, width, alpha, positions in rollout_groups(run):
         style = {"linewidths": width, "alpha": alpha, "zorder": 6}
-        ax.add_collection3d(Line3DCollection(positions, colors=ROLLOUT, **style))
+        ax.add_collection(Line3DCollection(positions, colors=ROLLOUT, **style))
         handles.append(line(label, ROLLOUT, width, alpha=alpha))
     ends = failed_ends(run)
     if len(ends):

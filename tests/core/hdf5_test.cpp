@@ -220,9 +220,11 @@ TEST(Hdf5File, ADamagedShapeIsAnError) {
   bytes[at + 5] = 1;
   put_bytes(path, bytes);
   const Hdf5Reader file(path);
-  EXPECT_TRUE(error_of([&] {
-                file.read<Points>("/deep/down/points");
-              }).starts_with(path + ": /deep/down/points: found shape [1099511627779, 2], more than"));
+  // HDF5 1.14 refuses such an item by itself.
+  const std::string error = error_of([&] { file.read<Points>("/deep/down/points"); });
+  EXPECT_TRUE(error.starts_with(path + ": /deep/down/points: found shape [1099511627779, 2], more than") ||
+              error.starts_with(path + ": expected a dataset /deep/down/points, found none"))
+      << error;
 }
 
 // Whatever a damaged file makes of itself: it is read or refused with an Error, and nothing is printed,
