@@ -144,7 +144,8 @@ for line in importlib.metadata.requires("torch") or []:
     found = re.match(r"cuda-toolkit\[[^]]*\]([^;]*)", line)
     if found:
         print("cuda-toolkit[cudart,cupti]" + found[1].strip())')
-  [[ -z $cuda ]] || "${pip[@]}" "$cuda" || say "pip could not install $cuda"
+  # pip names what the whole torch needs besides as conflicts.
+  [[ -z $cuda ]] || "${pip[@]}" "$cuda" 2>"$venv/pip.log" || say "pip could not install $cuda; see $venv/pip.log"
   "$venv/bin/python" -c 'import ctypes, sys; ctypes.CDLL(sys.argv[1])' "$(pip_torch)/lib/libtorch_cpu.so" 2>/dev/null \
     || install_pip_torch whole
 }

@@ -181,15 +181,14 @@ struct Hdf5Writer::Stored {
   Stored(const Hdf5Value& value, std::string name)
       : where(std::move(name)),
         text(text_type()),
-        space(value.shape_.empty()
-                  ? H5Screate(H5S_SCALAR)
-                  : H5Screate_simple(static_cast<int>(value.shape_.size()), value.shape_.data(), nullptr),
+        shape(value.shape_.begin(), value.shape_.end()),
+        space(shape.empty() ? H5Screate(H5S_SCALAR)
+                            : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
               H5Sclose),
         values(value.values_) {
-    const hsize_t count =
-        std::accumulate(value.shape_.begin(), value.shape_.end(), hsize_t{1}, std::multiplies<>());
+    const hsize_t count = std::accumulate(shape.begin(), shape.end(), hsize_t{1}, std::multiplies<>());
     check(count == value.count_, "{}: cannot write it: found {} values, expected {} of its shape [{}]", where,
-          value.count_, count, fmt::join(value.shape_, ", "));
+          value.count_, count, fmt::join(shape, ", "));
     if (value.kind_ == Hdf5Value::Kind::numbers) {
       file_type = H5T_IEEE_F64LE;
       memory_type = H5T_NATIVE_DOUBLE;
@@ -215,6 +214,7 @@ struct Hdf5Writer::Stored {
 
   std::string where;
   Handle text;
+  std::vector<hsize_t> shape;  // another type of integer from HDF5 1.14 on
   Handle space;
   hid_t file_type = -1;
   hid_t memory_type = -1;
