@@ -36,7 +36,8 @@ if(NOT TARGET s2nnds_onnx)
   add_library(s2nnds_onnx INTERFACE IMPORTED)
   target_include_directories(s2nnds_onnx SYSTEM INTERFACE ${ONNX_INCLUDE_DIR})
   target_compile_definitions(s2nnds_onnx INTERFACE ONNX_NAMESPACE=onnx ONNX_ML=1)
-  target_link_libraries(s2nnds_onnx INTERFACE ${ONNX_PROTO_LIBRARY} protobuf::libprotobuf)
+  target_link_libraries(s2nnds_onnx INTERFACE ${ONNX_PROTO_LIBRARY} protobuf::libprotobuf
+    ${Protobuf_LIBRARIES})  # by name: pip's torch defines the target too, empty
 endif()
 if(S2NNDS_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 QUIET)                           # tests/benchmarks/; without it they are left out
