@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -96,7 +97,8 @@ class KeyTable {
   void add_profile(const std::string& profile) {
     for (const Key& key : keys_of(default_config(profile))) {
       const auto known = known_.find(key.name);
-      if (key.name == "profile" || known == known_.end() || rows_[known->second]["default"] == key.value) continue;
+      if (key.name == "profile" || known == known_.end() || rows_[known->second]["default"] == key.value)
+        continue;
       rows_[known->second][profile] = key.value;
     }
   }

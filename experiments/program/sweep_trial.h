@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "commands.h"
 #include "s2nnds/sweeps/sweep_folder.h"
 

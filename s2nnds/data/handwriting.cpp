@@ -5,6 +5,7 @@
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/differentiation/autodiff.hpp>
 #include <cmath>
+#include <cstdint>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"

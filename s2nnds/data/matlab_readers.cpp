@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <matio.h>
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>

@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 #include <onnx/onnx_pb.h>
 
+#include <cstdint>
+
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {

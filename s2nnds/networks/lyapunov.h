@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "s2nnds/networks/mlp.h"
 
 namespace s2nnds {

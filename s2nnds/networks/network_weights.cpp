@@ -5,6 +5,7 @@
 
 #include <array>
 #include <bit>
+#include <cstdint>
 #include <cstring>
 
 #include "s2nnds/core/check.h"

@@ -3,6 +3,8 @@
 
 #include <torch/torch.h>
 
+#include <cstdint>
+
 namespace s2nnds {
 
 // x [N, n] -> [N + 1, n]: the origin as one more row, so that less_origin(network(with_origin(x))) is

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 
-#include "s2nnds/training/counterexample.h"
 #include "s2nnds/networks/network_weights.h"
+#include "s2nnds/training/counterexample.h"
 
 namespace s2nnds {
 

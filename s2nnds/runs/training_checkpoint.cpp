@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/runs/training_checkpoint.h"
 
+#include <cstdint>
 #include <functional>
 
 #include "s2nnds/core/check.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+
 #include "s2nnds/problem/region_sampler.h"
 #include "s2nnds/training/counterexample.h"
 

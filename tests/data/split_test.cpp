@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "s2nnds/data/handwriting.h"
 #include "tests/data/temporary_folder.h"
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"

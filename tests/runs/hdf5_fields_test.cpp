@@ -2,6 +2,7 @@
 #include "s2nnds/runs/hdf5_fields.h"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "tests/runs/temporary_directory.h"

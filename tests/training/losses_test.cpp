@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/loss_obstacle_normal.h"
 #include "s2nnds/training/loss_table.h"

@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {

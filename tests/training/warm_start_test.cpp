@@ -5,6 +5,7 @@
 #include <torch/torch.h>
 
 #include <algorithm>
+#include <cstdint>
 
 namespace s2nnds {
 namespace {

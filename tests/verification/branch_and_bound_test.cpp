@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "s2nnds/core/random.h"
 
 namespace s2nnds {
