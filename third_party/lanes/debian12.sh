@@ -9,5 +9,4 @@ if [[ ${ID:-} != debian || ${VERSION_ID:-} != 12 ]]; then
   echo "debian12.sh: found ${PRETTY_NAME:-an unknown system}; expected Debian 12" >&2
   exit 1
 fi
-bash third_party/install.sh build test
 exec bash third_party/lanes/lane.sh debian12 "$@"

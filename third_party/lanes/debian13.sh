@@ -9,7 +9,6 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 # shellcheck source=/dev/null
 . /etc/os-release
 if [[ ${ID:-} == debian && ${VERSION_ID:-} == 13 ]]; then
-  bash third_party/install.sh build test
   exec bash third_party/lanes/lane.sh debian13 "$@"
 fi
 

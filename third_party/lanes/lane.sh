@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# What all lanes do once their packages are there: configure, build, compare the weights of a short training with those
-# of every other lane, run the tests that are not labelled slow. Prints the seconds of each.
+# What all lanes do: install what is missing, configure, build, compare the weights of a short training with those of
+# every other lane, run the tests that are not labelled slow. Prints the seconds of each.
 # Usage: bash third_party/lanes/lane.sh NAME [-DOPTION=VALUE]...      (builds in build/lanes/NAME)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 name=$1
-build=build/lanes/$name
 shift
+build=build/lanes/$name
+took=""
 
 step() {
   printf '\nlane %s: %s\n' "$name" "$*"
@@ -15,18 +16,32 @@ step() {
 }
 
 done_in() {
-  printf 'lane %s: %s took %d s\n' "$name" "$1" "$SECONDS"
+  took+="${took:+, }$1 $SECONDS s"
 }
 
-step "configuring $build"
-cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release "$@"
-step "building the program"
-cmake --build "$build" --target s2nnds_program
-done_in "the program's build"
+step "installing what is missing"
+bash third_party/install.sh build test
+done_in set-up
+options=("$@")
+if [[ -n ${S2NNDS_VENV:-} ]]; then
+  options+=("-DCMAKE_PREFIX_PATH=$(echo "$S2NNDS_VENV"/lib/python3*/site-packages/torch/share/cmake)"
+    "-DS2NNDS_PYTHON=$S2NNDS_VENV/bin/python")
+fi
+
+step "building the program in $build"
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release "${options[@]}"
+cmake --build "$build" --target s2nnds_program --parallel "$(nproc)"
+done_in program
+
+step "comparing the weights of a short training"
 bash tests/lanes/weight_hash.sh "$build/experiments/s2nnds"
-step "building the rest"
-cmake --build "$build"
-done_in "the rest's build"
+done_in weights
+
+step "building the tests"
+cmake --build "$build" --parallel "$(nproc)"
+done_in "rest of the build"
+
 step "testing"
-OMP_WAIT_POLICY=passive ctest --test-dir "$build" --output-on-failure --label-exclude slow -j2
-done_in "testing"
+OMP_WAIT_POLICY=passive ctest --test-dir "$build" --output-on-failure --label-exclude slow --parallel "$(nproc)"
+done_in tests
+printf '\nlane %s: %s\n' "$name" "$took"

@@ -6,7 +6,4 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 export S2NNDS_VENV=${S2NNDS_VENV:-$PWD/build/lanes/venv} S2NNDS_TORCH=pip
-bash third_party/install.sh build test
-prefix=$(echo "$S2NNDS_VENV"/lib/python3*/site-packages/torch/share/cmake)
-exec bash third_party/lanes/lane.sh pip_torch "-DCMAKE_PREFIX_PATH=$prefix" \
-  "-DS2NNDS_PYTHON=$S2NNDS_VENV/bin/python" "$@"
+exec bash third_party/lanes/lane.sh pip_torch "$@"
