@@ -13,11 +13,11 @@
 #include "program/writable.h"
 #include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/platform.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/runs/prepared_run.h"
 #include "s2nnds/runs/summary.h"
 #include "s2nnds/runs/version.h"
-#include "s2nnds/sweeps/process_pool.h"
 
 namespace s2nnds::experiment {
 namespace {
@@ -83,7 +83,7 @@ std::vector<Run> run_all(const Driver& driver, const Arguments& arguments) {
   folder.freeze(sweep);
   program::forget_failed(folder, read_state(sweep, folder));
   const int cores = available_cores(), jobs = arguments.jobs > 0 ? arguments.jobs : cores;
-  const fs::path beside = fs::read_symlink("/proc/self/exe").parent_path() / "s2nnds";
+  const fs::path beside = fs::path(executable_path()).parent_path() / "s2nnds";
   const auto state =
       program::run_sweep(sweep, folder, {beside, arguments.data, std::max(1, cores / jobs), jobs});
   check(state.has_value(), "interrupted; the same command goes on");

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +12,7 @@
 #include "keys_command.h"
 #include "log.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/platform.h"
 #include "s2nnds/deployment/export_format.h"
 #include "s2nnds/runs/version.h"
 #include "sweep_command.h"
@@ -147,10 +147,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Training allocates and frees the same few megabytes every step; keep them instead of returning them to
-  // the system.
-  mallopt(M_MMAP_THRESHOLD, 1 << 28);
-  mallopt(M_TRIM_THRESHOLD, 1 << 28);
+  s2nnds::keep_freed_memory();  // training allocates and frees the same few megabytes every step
   start_log();
   std::signal(SIGXFSZ, SIG_IGN);  // a full disk is then an error of the write, which is reported
   try {

@@ -8,8 +8,8 @@
 #include "local_sweep.h"
 #include "python_script.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/platform.h"
 #include "s2nnds/data/readers.h"
-#include "s2nnds/sweeps/process_pool.h"
 #include "sweep_report.h"
 #include "sweep_slurm.h"
 #include "sweep_trial.h"
@@ -25,11 +25,9 @@ std::string absolute(const std::string& path) {
   return path.empty() ? "" : fs::absolute(path).lexically_normal().string();
 }
 
-std::string own_path() { return fs::read_symlink("/proc/self/exe").string(); }
-
 LocalMeans means_of(const Sweep& sweep, const SweepArguments& arguments, const CommonArguments& common) {
   LocalMeans means;
-  means.program = arguments.program.empty() ? own_path() : absolute(arguments.program);
+  means.program = arguments.program.empty() ? executable_path() : absolute(arguments.program);
   means.data = absolute(data_directory(common.data));
   means.threads = common.threads > 0 ? common.threads : sweep.options.threads;
   const int cores = available_cores();
@@ -99,8 +97,8 @@ int sweep(const SweepArguments& arguments, const CommonArguments& common) {
   if (arguments.retry_failed) forget_failed(folder, read_state(sweep, folder));
   if (arguments.report) return report(sweep, folder, common.json);
   if (!arguments.slurm.empty()) {
-    std::vector<std::string> command = {own_path(),    "sweep",     folder.sweep_file(),          "--out",
-                                        folder.path(), "--threads", std::to_string(means.threads)};
+    std::vector<std::string> command = {executable_path(), "sweep",     folder.sweep_file(),          "--out",
+                                        folder.path(),     "--threads", std::to_string(means.threads)};
     if (!means.data.empty()) command.insert(command.end(), {"--data", means.data});
     if (!arguments.program.empty()) command.insert(command.end(), {"--program", means.program});
     submit_sweep(sweep, folder, read_state(sweep, folder), arguments.slurm, means.threads, command);

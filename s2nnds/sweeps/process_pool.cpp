@@ -2,18 +2,16 @@
 #include "s2nnds/sweeps/process_pool.h"
 
 #include <fcntl.h>
-#include <sched.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <cstring>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/platform.h"
 
 extern char** environ;
 
@@ -48,7 +46,7 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
 // terminal from it.
 [[noreturn]] void become(char** arguments, char** environment, int log, pid_t parent, const sigset_t& mask) {
   ::setpgid(0, 0);
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  end_with_parent();
   if (::getppid() != parent) ::_exit(127);  // the parent has ended already
   ::sigprocmask(SIG_SETMASK, &mask, nullptr);
   ::dup2(log, STDOUT_FILENO);
@@ -58,12 +56,6 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
 }
 
 }  // namespace
-
-int available_cores() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  return ::sched_getaffinity(0, sizeof(set), &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
-}
 
 ProcessPool::ProcessPool(std::vector<std::pair<std::string, std::string>> environment)
     : environment_(environment_with(environment)) {
@@ -117,10 +109,7 @@ std::optional<PoolEnd> ProcessPool::wait(double seconds) {
     if (const auto end = take_ended()) return end;
     const double left = until - now();
     if (left <= 0.0 || interrupted_) return std::nullopt;
-    timespec time;
-    time.tv_sec = static_cast<time_t>(left);
-    time.tv_nsec = static_cast<long>((left - std::floor(left)) * 1e9);
-    const int signal = ::sigtimedwait(&watched_, nullptr, &time);
+    const int signal = wait_for_signal(watched_, left);
     if (signal == SIGINT || signal == SIGTERM) interrupted_ = true;
   }
 }

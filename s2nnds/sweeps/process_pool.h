@@ -10,9 +10,6 @@
 
 namespace s2nnds {
 
-// Processors that this process may use (of its Slurm task, of its container's set).
-int available_cores();
-
 // A command that a pool is to run.
 struct PoolJob {
   std::int64_t id = 0;               // the caller's own, comes back in PoolEnd
@@ -28,7 +25,8 @@ struct PoolEnd {
   double seconds = 0.0;  // wall clock since its start
 };
 
-// Child processes, of which none outlives this process: the kernel kills them when it ends, however it ends.
+// Child processes, of which none outlives this process: the kernel kills them when it ends, however it ends
+// (on macOS not if it is killed by SIGKILL).
 // While a pool lives, SIGINT and SIGTERM are taken by wait(). To be used from one thread.
 class ProcessPool {
  public:
