@@ -56,9 +56,8 @@ ordered_json report_demonstrations(const PreparedRun& setup, const NetworkWeight
   return rows;
 }
 
-// Whether the run has at least the guarantee that its configuration asks for.
-int exit_code(const PreparedRun& setup, const RunRecord& record) {
-  const Method method = setup.config.verification.method;
+// Whether the run has at least the guarantee that this method can give.
+int exit_code(Method method, const PreparedRun& setup, const RunRecord& record) {
   const Guarantee wanted = method == Method::sampled        ? Guarantee::sampled
                            : method == Method::conformal    ? Guarantee::conformal
                            : setup.problem.workspace_margin ? Guarantee::invariant
@@ -127,7 +126,7 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
   verify_and_evaluate(start.setup, start.record);
   save_run(start.path, start.record);
   report(start.record, start.path, common);
-  return exit_code(start.setup, start.record);
+  return exit_code(start.setup.config.verification.method, start.setup, start.record);
 }
 
 int verify(const VerifyArguments& arguments, const CommonArguments& common) {
@@ -145,13 +144,11 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   save_run(arguments.run, record);
   fmt::print("{}", condition_tables(record.certificate));
   report(record, arguments.run, common);
-  const bool proof = method == Method::proof;
-  if (proof && !record.certificate.side.hold()) return kNotVerified;
   for (const ConditionVerdict& found : record.certificate.conditions) {
-    const Verdict wanted = proof ? Verdict::proved : Verdict::passed;
+    const Verdict wanted = method == Method::proof ? Verdict::proved : Verdict::passed;
     if (found.method == method && found.verdict != wanted) return kNotVerified;
   }
-  return kVerified;
+  return exit_code(method, setup, record);
 }
 
 int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
@@ -172,7 +169,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
     if (!arguments.splits.empty()) summary["demonstrations"] = demonstrations;
     fmt::print("{}\n", summary.dump());
   }
-  return exit_code(setup, record);
+  return exit_code(setup.config.verification.method, setup, record);
 }
 
 int export_policy(const ExportArguments& arguments, const CommonArguments& common) {

@@ -63,6 +63,14 @@ std::string names_of(Verdict wanted, const Certificate& certificate) {
   return names;
 }
 
+// " (why)" where a verdict comes with its reason.
+std::string reason_of(Verdict wanted, const Certificate& certificate) {
+  for (const ConditionVerdict& verdict : certificate.conditions) {
+    if (verdict.verdict == wanted && !verdict.reason.empty()) return fmt::format(" ({})", verdict.reason);
+  }
+  return "";
+}
+
 std::string disturbance_in_words(const RunRecord& record) {
   const Certificate& c = record.certificate;
   if (!(c.disturbance_margin > 0)) return " No margin against disturbances was certified.";
@@ -98,7 +106,8 @@ std::string details(const RunRecord& record) {
     case Guarantee::proved:
     case Guarantee::invariant:
       return fmt::format(
-          " Proved: {}. The proof holds in exact arithmetic for the networks with these double-precision "
+          " Proved: f and V are 0 at the goal, {}. The proof holds in exact arithmetic for the networks with "
+          "these double-precision "
           "weights; its own rounding is covered.{}",
           all_conditions_in_words(record),
           certificate.guarantee == Guarantee::invariant ? disturbance_in_words(record) : "");
@@ -135,8 +144,12 @@ std::string guarantee_sentence(const RunRecord& record) {
            {std::pair{Verdict::refuted, "The proof refuted"}, std::pair{Verdict::failed, "Samples violate"},
             std::pair{Verdict::undecided, "The proof left open"}}) {
         const std::string names = names_of(verdict, certificate);
-        if (!names.empty()) return fmt::format("Nothing is guaranteed. {}: {}.", words, names);
+        if (!names.empty())
+          return fmt::format("Nothing is guaranteed. {}: {}{}.", words, names,
+                             reason_of(verdict, certificate));
       }
+      if (!certificate.side.goal_holds())
+        return "Nothing is guaranteed. It is not certain that f and V are exactly 0 at the goal.";
       return "Nothing is guaranteed.";
     }
     case Guarantee::sampled:

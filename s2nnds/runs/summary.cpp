@@ -20,6 +20,7 @@ ordered_json json_of(const ConditionVerdict& verdict) {
                  {"open_boxes", verdict.open_boxes},
                  {"open_volume", verdict.open_volume},
                  {"witness", verdict.witness}});
+    if (!verdict.reason.empty()) json["reason"] = verdict.reason;
     return json;
   }
   json.update(
@@ -52,6 +53,8 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   for (const ConditionVerdict& verdict : certificate.conditions)
     json["conditions"][std::string(to_string(verdict.condition))][std::string(to_string(verdict.method))] =
         json_of(verdict);
+  json["goal_is_equilibrium"] = certificate.side.goal_is_equilibrium;
+  json["lyapunov_vanishes_at_goal"] = certificate.side.lyapunov_vanishes_at_goal;
   json["goal_is_safe"] = certificate.side.goal_is_safe;
   json["initial_in_workspace"] = certificate.side.initial_in_workspace;
   json["seconds"] = ordered_json::object();

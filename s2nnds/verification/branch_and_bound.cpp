@@ -8,6 +8,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/core/stopwatch.h"
+#include "s2nnds/verification/standard_floating_point.h"
 
 namespace s2nnds {
 namespace {
@@ -84,6 +85,7 @@ std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& ex
   std::atomic<bool> stop = false;
   parallel_for(batches, [&](Eigen::Index b, int worker) {
     if (stop) return;
+    const StandardFloatingPoint mode;
     const Eigen::Index first = b * batch_boxes;
     BoxBatch batch = {level.lower,  level.upper,   first,           std::min(batch_boxes, count - first),
                       level.status, level.witness, level.violation, level.cuts};

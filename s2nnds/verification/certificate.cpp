@@ -26,10 +26,13 @@ void ConditionVerdict::visit(FieldVisitor& v) {
   v.field("open_boxes", open_boxes, kCount);
   v.field("open_volume", open_volume, at_least(0));
   v.field("witness", witness, any_number());
+  v.field("reason", reason);
   v.field("seconds", seconds, at_least(0));
 }
 
 void SideConditions::visit(FieldVisitor& v) {
+  v.field("goal_is_equilibrium", goal_is_equilibrium);
+  v.field("lyapunov_vanishes_at_goal", lyapunov_vanishes_at_goal);
   v.field("goal_is_safe", goal_is_safe);
   v.field("initial_in_workspace", initial_in_workspace);
 }

@@ -75,18 +75,24 @@ struct ConditionVerdict {
   std::int64_t open_boxes = 0;    // proof: boxes left over
   double open_volume = 0.0;       // proof: their volume, normalised length^n
   std::vector<double> witness;    // refuted: a point [n] that violates the condition, normalised
+  std::string reason;             // proof, undecided: why no box was examined, where that is so
   double seconds = 0.0;           // wall clock
 
   void visit(FieldVisitor& v);  // names each field once, see FieldVisitor
 };
 
-// What must be proved besides the conditions before {B <= 0} is known to be invariant.
+// What must be proved besides the conditions. The conditions speak of V and Vdot away from the goal alone; the first
+// two say that the goal is an equilibrium and the least point of V. The others: before {B <= 0} is known to be
+// invariant.
 struct SideConditions {
-  bool goal_is_safe = false;          // B(0) <= 0
-  bool initial_in_workspace = false;  // X0 lies in X
+  bool goal_is_equilibrium = false;        // f(0) = 0, exactly
+  bool lyapunov_vanishes_at_goal = false;  // V(0) = 0, exactly
+  bool goal_is_safe = false;               // B(0) <= 0
+  bool initial_in_workspace = false;       // X0 lies in X
 
-  bool hold() const { return goal_is_safe && initial_in_workspace; }  // both of them
-  void visit(FieldVisitor& v);                                        // names each field once
+  bool goal_holds() const { return goal_is_equilibrium && lyapunov_vanishes_at_goal; }  // the first two
+  bool hold() const { return goal_holds() && goal_is_safe && initial_in_workspace; }    // all of them
+  void visit(FieldVisitor& v);  // names each field once
 };
 
 // What is known of a run's networks, and how it was found out.

@@ -11,6 +11,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
 #include "s2nnds/verification/rounding.h"
+#include "s2nnds/verification/standard_floating_point.h"
 
 namespace s2nnds {
 namespace {
@@ -301,6 +302,7 @@ class Search {
 }  // namespace
 
 DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem) {
+  const StandardFloatingPoint mode;
   Search search(functions, problem);
   DisturbanceMargin result;
   std::optional<LevelSetCover> cover = search.cover();

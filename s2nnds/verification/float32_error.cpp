@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/verification/standard_floating_point.h"
 
 namespace s2nnds {
 namespace {
@@ -73,6 +74,7 @@ Vector propagate(const NetworkWeights& network, const Vector& center, const Vect
 }  // namespace
 
 double float32_error(const NetworkWeights& network, const Box& box) {
+  const StandardFloatingPoint mode;
   network.check();
   check(network.head != Head::squared_norm, "float32 error: expected a vector field");
   const Eigen::Index n = box.dimension();

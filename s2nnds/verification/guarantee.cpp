@@ -22,6 +22,14 @@ bool all_passed(Method method, const std::vector<ConditionVerdict>& verdicts) {
   return any;
 }
 
+// Points that violate a condition are known whatever passed elsewhere.
+bool samples_refute(const std::vector<ConditionVerdict>& verdicts, const SafetyProblem& problem) {
+  return std::any_of(verdicts.begin(), verdicts.end(), [&](const ConditionVerdict& found) {
+    const bool counts = found.condition != Condition::containment || problem.workspace_margin;
+    return counts && found.verdict == Verdict::failed && found.violations > 0;
+  });
+}
+
 }  // namespace
 
 Guarantee guarantee_of(const std::vector<ConditionVerdict>& verdicts, const SideConditions& side,
@@ -32,8 +40,8 @@ Guarantee guarantee_of(const std::vector<ConditionVerdict>& verdicts, const Side
     proved = proved && proof_says(Verdict::proved, condition, verdicts);
     refuted = refuted || proof_says(Verdict::refuted, condition, verdicts);
   }
-  if (refuted) return Guarantee::none;
-  if (proved) {
+  if (refuted || samples_refute(verdicts, problem)) return Guarantee::none;
+  if (proved && side.goal_holds()) {
     const bool contained = proof_says(Verdict::proved, Condition::containment, verdicts);
     return contained && side.hold() ? Guarantee::invariant : Guarantee::proved;
   }

@@ -7,6 +7,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/networks/dense_kernels.h"
 #include "s2nnds/verification/rounding.h"
+#include "s2nnds/verification/standard_floating_point.h"
 
 namespace s2nnds {
 namespace {
@@ -108,6 +109,7 @@ struct NetworkFunction::Memory final : TaylorFunction::Workspace {
 };
 
 NetworkFunction::NetworkFunction(const NetworkWeights& stack) : stack_(stack) {
+  const StandardFloatingPoint mode;
   stack_.check();
   for (const Layer& layer : stack_.layers) {
     AffineMap map;
@@ -376,14 +378,28 @@ IntervalMatrix NetworkFunction::jacobian(double half) const {
     for (Eigen::Index i = 0; i < m; ++i) {
       const TileRow* rate = &memory.a[i * block + columns()];
       const double radius = memory.a_remainder[2 * i + 1](0) + linear_size(rate + 1, cube)(0) +
-                            quadratic_size(rate + 1 + n, cube)(0);
+                            quadratic_size(rate + 1 + n, cube)(0) + underflow;
       result(i, axis) = Interval(rate[0](0)) + radius * slack * Interval(-1.0, 1.0);
     }
   }
   return result;
 }
 
-bool NetworkFunction::vanishes_at_zero() const {
+// The most that an activation's derivatives, up to the fourth, multiply by, with the roundings of these sums.
+constexpr double activation_growth = 8.0;
+
+double NetworkFunction::growth(double reach) const {
+  double growth = std::max({1.0, reach, std::abs(stack_.quadratic)});
+  for (const AffineMap& map : maps_) {
+    // Rows in the forward sweep, columns in the backward one.
+    growth *= activation_growth *
+              std::max({1.0, map.magnitude.rowwise().sum().maxCoeff(),
+                        map.magnitude.colwise().sum().maxCoeff(), map.bias.cwiseAbs().maxCoeff()});
+  }
+  return growth;
+}
+
+bool NetworkFunction::vanishes_at_goal() const {
   if (stack_.head != Head::plain) return true;
   return std::all_of(stack_.layers.begin(), stack_.layers.end(), [](const Layer& layer) {
     return (layer.bias.array() == 0.0).all() && layer.activation != Activation::softplus;
@@ -393,7 +409,7 @@ bool NetworkFunction::vanishes_at_zero() const {
 // Along the ray from 0 to x: N(x) - N(0) = (integral of the Jacobian) x, and the integral lies in the convex
 // hull.
 std::optional<IntervalMatrix> NetworkFunction::goal_factor(double half) const {
-  if (stack_.head == Head::squared_norm || !vanishes_at_zero()) return std::nullopt;
+  if (stack_.head == Head::squared_norm || !vanishes_at_goal()) return std::nullopt;
   return jacobian(half);
 }
 

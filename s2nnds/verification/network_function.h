@@ -26,6 +26,8 @@ class NetworkFunction final : public TaylorFunction {
   std::optional<IntervalMatrix> goal_factor(double half) const override;
   std::optional<IntervalMatrix> goal_gradient_factor(double half) const override;
   bool is_positive_by_construction() const override;
+  double growth(double reach) const override;
+  bool vanishes_at_goal() const override;
 
  private:
   struct Memory;
@@ -44,7 +46,6 @@ class NetworkFunction final : public TaylorFunction {
   LayerTile layer_tile(const BoxTile& tile, std::size_t k, Memory& memory) const;
   // The Jacobian of the layers' output N over the cube, [m, n].
   IntervalMatrix jacobian(double half) const;
-  bool vanishes_at_zero() const;
   void subtract_offset(Memory& memory) const;
   void add_norm(const BoxTile& tile, Memory& memory, TileForm& q) const;
   void add_norm_rate(const BoxTile& tile, const TileModels& direction, Memory& memory,

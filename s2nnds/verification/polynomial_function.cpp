@@ -202,8 +202,25 @@ Interval PolynomialFunction::on_cube(const Partial& partial, double half) {
   return sum;
 }
 
+// Every derivative up to the fourth brings down at most `degree_` once more; inner sums over the axes are finite.
+double PolynomialFunction::growth(double reach) const {
+  const double degree = std::max<double>(1.0, degree_), side = std::max(1.0, reach);
+  double growth = side;
+  for (const Partials& partials : outputs_) {
+    const Partial& function = partials.front().front();
+    const double size = function.coefficients.cwiseAbs().sum();
+    growth = std::max(growth, size * std::pow(side, degree) * std::pow(degree, expansion_orders));
+  }
+  return growth;
+}
+
+bool PolynomialFunction::vanishes_at_goal() const {
+  return std::all_of(outputs_.begin(), outputs_.end(),
+                     [](const Partials& partials) { return vanishes_at_zero(partials.front().front()); });
+}
+
 // Exactly: no monomial but the constant one has a value at 0.
-bool PolynomialFunction::vanishes_at_goal(const Partial& partial) {
+bool PolynomialFunction::vanishes_at_zero(const Partial& partial) {
   for (Eigen::Index k = 0; k < partial.coefficients.size(); ++k) {
     if (partial.coefficients(k) != 0.0 && (partial.exponents.row(k).array() == 0).all()) return false;
   }
@@ -215,7 +232,7 @@ std::optional<IntervalMatrix> PolynomialFunction::goal_factor(double half) const
   IntervalMatrix factor(output_dimension(), dimension_);
   for (Eigen::Index i = 0; i < output_dimension(); ++i) {
     const Partials& partials = outputs_[static_cast<std::size_t>(i)];
-    if (!vanishes_at_goal(partials[0][0])) return std::nullopt;
+    if (!vanishes_at_zero(partials[0][0])) return std::nullopt;
     for (const Partial& partial : partials[1]) factor(i, partial.axes[0]) = on_cube(partial, half);
   }
   return factor;
@@ -225,7 +242,7 @@ std::optional<IntervalMatrix> PolynomialFunction::goal_gradient_factor(double ha
   const Partials& partials = outputs_.front();
   for (int order : {0, 1}) {
     for (const Partial& partial : partials[static_cast<std::size_t>(order)]) {
-      if (!vanishes_at_goal(partial)) return std::nullopt;
+      if (!vanishes_at_zero(partial)) return std::nullopt;
     }
   }
   IntervalMatrix factor(dimension_, dimension_);

@@ -26,6 +26,8 @@ class PolynomialFunction final : public TaylorFunction {
                       std::vector<TileRow>& adjoint, TileForm& q) const override;
   std::optional<IntervalMatrix> goal_factor(double half) const override;
   std::optional<IntervalMatrix> goal_gradient_factor(double half) const override;
+  double growth(double reach) const override;
+  bool vanishes_at_goal() const override;
 
  private:
   // A polynomial and its partial derivatives up to the fourth order. A coefficient is within 16 units in the
@@ -43,7 +45,7 @@ class PolynomialFunction final : public TaylorFunction {
   void expand(const Partials& partials, const BoxTile& tile, Memory& memory, TileForm& form) const;
   // Encloses a partial derivative on the cube |x|_inf <= half.
   static Interval on_cube(const Partial& partial, double half);
-  static bool vanishes_at_goal(const Partial& partial);
+  static bool vanishes_at_zero(const Partial& partial);
 
   Eigen::Index dimension_ = 0;
   int degree_ = 0;

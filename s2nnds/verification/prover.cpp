@@ -10,6 +10,8 @@
 #include "s2nnds/verification/goal_neighbourhood.h"
 #include "s2nnds/verification/guarantee.h"
 #include "s2nnds/verification/network_function.h"
+#include "s2nnds/verification/rounding.h"
+#include "s2nnds/verification/standard_floating_point.h"
 
 namespace s2nnds {
 namespace {
@@ -293,6 +295,33 @@ ConditionProof decide(const Statement& statement, const BranchLimits& limits, co
   return proof;
 }
 
+// The functions whose underflow the bounds do not cover (rounding.h); "" if there is none.
+std::string beyond_range(const ProofFunctions& functions, const Box& workspace) {
+  const double reach = std::max(workspace.lower.cwiseAbs().maxCoeff(), workspace.upper.cwiseAbs().maxCoeff());
+  for (const auto& [name, function] :
+       {std::pair{"f", &functions.f}, std::pair{"V", &functions.V}, std::pair{"B", &functions.B}}) {
+    const double growth = (*function)->growth(reach);
+    if (!(growth <= largest_growth)) {
+      return fmt::format("{} can magnify numbers by {:.1e}, beyond the {:.0e} for which underflow is covered",
+                         name, growth, largest_growth);
+    }
+  }
+  return "";
+}
+
+// The whole workspace is left open.
+ConditionProof not_examined(const SafetyProblem& problem, const std::string& reason) {
+  ConditionProof proof;
+  proof.verdict.verdict = Verdict::undecided;
+  proof.verdict.reason = reason;
+  proof.verdict.open_boxes = 1;
+  proof.open_lower = problem.workspace.lower.transpose();
+  proof.open_upper = problem.workspace.upper.transpose();
+  proof.verdict.open_volume = (proof.open_upper - proof.open_lower).prod();
+  proof.witnesses = Points(0, problem.dimension());
+  return proof;
+}
+
 ConditionProof holds_by_construction(const SafetyProblem& problem) {
   ConditionProof proof;
   proof.verdict.verdict = Verdict::proved;
@@ -383,8 +412,11 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
   check_dimensions(functions, problem);
   check(level_band >= 0.0, "proof: level_band is {}, expected >= 0", level_band);
   const Stopwatch watch;
+  const StandardFloatingPoint mode;
   ConditionProof proof;
-  if (condition == Condition::lyapunov_positive && functions.V->is_positive_by_construction()) {
+  if (const std::string reason = beyond_range(functions, problem.workspace); !reason.empty()) {
+    proof = not_examined(problem, reason);
+  } else if (condition == Condition::lyapunov_positive && functions.V->is_positive_by_construction()) {
     proof = holds_by_construction(problem);
   } else {
     const double cube = proved_cube(functions, condition);
@@ -402,6 +434,7 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
 ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options, const ProofProgress& progress) {
   const Stopwatch watch;
+  const StandardFloatingPoint mode;
   ProofResult result;
   ProofOptions left = options;
   for (Condition condition : all_conditions) {
@@ -411,7 +444,11 @@ ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem,
     result.boxes += proof.verdict.boxes;
     result.conditions.push_back(std::move(proof));
   }
-  result.side = {is_goal_safe(functions), is_initial_in_workspace(problem)};
+  result.side = {
+      .goal_is_equilibrium = functions.f->vanishes_at_goal(),
+      .lyapunov_vanishes_at_goal = functions.V->vanishes_at_goal(),
+      .goal_is_safe = beyond_range(functions, problem.workspace).empty() && is_goal_safe(functions),
+      .initial_in_workspace = is_initial_in_workspace(problem)};
   result.guarantee = guarantee_of(result.verdicts(), result.side, problem);
   result.seconds = watch.seconds();
   return result;

@@ -52,7 +52,7 @@ struct ConditionProof {
 struct ProofResult {
   Guarantee guarantee = Guarantee::none;   // none, proved or invariant
   std::vector<ConditionProof> conditions;  // in the order of all_conditions
-  SideConditions side;                     // B(0) <= 0, and X0 in the workspace
+  SideConditions side;                     // what must hold besides
   double goal_cube = 0.0;  // Vdot < 0 was proved by interval Jacobians for 0 < |x|_inf <= goal_cube
   std::int64_t boxes = 0;  // examined, for all conditions
   double seconds = 0.0;    // wall clock
@@ -70,7 +70,8 @@ using ProofProgress = std::function<void(Condition, const BranchProgress&)>;
 // these double coefficients, and a witness violates its condition in exact arithmetic. Containment is proved
 // on the workspace margin, if there is one, and on the workspace's boundary. Guarantee: `proved` if all
 // conditions hold (containment only where the problem has a workspace margin); `invariant` if containment
-// holds, B(0) <= 0 and X0 lies in the workspace as well. Verdicts and box counts do not depend on the number
+// holds and the side conditions do. Where weights are so large or the workspace so wide that underflow is not covered
+// (rounding.h), everything is undecided, with the reason in the verdict. Verdicts and box counts do not depend on the number
 // of threads, unless the time limit strikes. Throws Error on functions or sets of different dimensions.
 ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double level_band,
                   const ProofOptions& options = {}, const ProofProgress& progress = nullptr);

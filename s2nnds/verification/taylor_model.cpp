@@ -11,9 +11,6 @@
 namespace s2nnds {
 namespace {
 
-// Covers what products of tiny numbers lose to underflow.
-constexpr double underflow = 1e-250;
-
 // The maximum of g t + h t^2 / 2 over |t| <= w (rounded, to be inflated by the caller).
 double parabola_maximum(double g, double h, double w) {
   const double slope = std::abs(g);

@@ -123,8 +123,11 @@ class TaylorFunction {
   };
   virtual ~TaylorFunction() = default;
 
-  virtual Eigen::Index input_dimension() const = 0;          // n
-  virtual Eigen::Index output_dimension() const = 0;         // m
+  virtual Eigen::Index input_dimension() const = 0;   // n
+  virtual Eigen::Index output_dimension() const = 0;  // m
+  // Above every number that its sweeps pass on for each 1 that they take in, and above its values, over |x|_inf <=
+  // reach: what says whether underflow is covered (rounding.h). NaN or infinite where that cannot be said.
+  virtual double growth(double reach) const = 0;
   virtual std::unique_ptr<Workspace> workspace() const = 0;  // memory that fits this function
 
   // Models of all outputs.
@@ -146,6 +149,8 @@ class TaylorFunction {
   // Scalar functions only: [n, n] such that grad y(x) = G(x) x with G(x) in it, for all x of the cube;
   // nothing unless y(0) = 0 and grad y(0) = 0 exactly. Then also y(x) = x' S(x) x with 2 S(x) in it.
   virtual std::optional<IntervalMatrix> goal_gradient_factor(double half) const = 0;
+  // Whether y(0) = 0 exactly, in every output, for a reason that needs no arithmetic.
+  virtual bool vanishes_at_goal() const = 0;
   // Scalar functions only: y(0) = 0 and y > 0 elsewhere for a reason that needs no boxes.
   virtual bool is_positive_by_construction() const { return false; }
 };

@@ -3,7 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <cmath>
+#include <limits>
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
@@ -196,6 +201,86 @@ TEST(Prover, SaysWhenTheGoalOrTheInitialSetIsNotSafe) {
   const ProofResult result = prove(simple_networks(), outside, 0.01, quick());
   EXPECT_FALSE(result.side.initial_in_workspace);
   EXPECT_EQ(result[Condition::initial].verdict.verdict, Verdict::refuted);
+}
+
+// f is -x but for a factor of a few times the smallest number, V and B are scaled up: what underflow loses in f is then
+// worth more than f itself.
+TEST(Prover, UnderflowInOneLayerIsNotMagnifiedIntoAProof) {
+  constexpr double tiny = std::numeric_limits<double>::denorm_min();
+  Networks networks = simple_networks();
+  networks.f.layers = {layer((Points(2, 2) << 0.5, 0.3, -0.3, 0.5).finished(), Vector(), Activation::tanh),
+                       layer((Points(2, 2) << -60 * tiny, tiny, -tiny, -31 * tiny).finished(), Vector(),
+                             Activation::identity)};
+  networks.V.layers.front().weight *= 1e150;
+  networks.B.layers.back().weight *= 1e140;
+  const ProofResult result = prove(networks, simple_problem(), 0.01, quick());
+  EXPECT_EQ(result.guarantee, Guarantee::none);
+  for (const ConditionProof& proof : result.conditions) {
+    if (proof.verdict.condition == Condition::lyapunov_positive) continue;  // left to the reason as well
+    EXPECT_EQ(proof.verdict.verdict, Verdict::undecided) << to_string(proof.verdict.condition);
+    EXPECT_NE(proof.verdict.reason, "");
+  }
+}
+
+// All weights are normal numbers; the product of two layers is lost in between.
+TEST(Prover, UnderflowBetweenTwoLinearLayersIsNotMagnifiedIntoAProof) {
+  Networks networks = simple_networks();
+  networks.f.layers = {
+      layer(1e-164 * (Points(2, 2) << -1, 0.4, -0.4, -1).finished(), Vector(), Activation::identity),
+      layer(1e-160 * Points::Identity(2, 2), Vector(), Activation::identity),
+      layer(1e150 * Points::Identity(2, 2), Vector(), Activation::identity)};
+  networks.V.layers.front().weight *= 1e100;
+  EXPECT_EQ(prove(networks, simple_problem(), 0.01, quick()).guarantee, Guarantee::none);
+  // Within the range, a field this slow is not proved either: the bounds leave room for underflow.
+  networks = simple_networks();
+  networks.f = linear_field(-1e-100 * Points::Identity(2, 2));
+  const ProofResult slow = prove(networks, simple_problem(), 0.01, quick());
+  EXPECT_EQ(slow[Condition::barrier_decrease].verdict.verdict, Verdict::undecided);
+}
+
+TEST(Prover, WorksTheSameWithFlushToZeroAndAnyRoundingMode) {
+  const auto boxes = [] {
+    std::vector<std::int64_t> found;
+    for (const ConditionProof& proof : prove(simple_networks(), simple_problem(), 0.01).conditions) {
+      EXPECT_TRUE(proof.is_proved());
+      found.push_back(proof.verdict.boxes);
+    }
+    return found;
+  };
+  const std::vector<std::int64_t> expected = boxes();
+  for (const int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
+    std::fesetround(mode);
+    const auto found = boxes();
+    EXPECT_EQ(std::fegetround(), mode);
+    std::fesetround(FE_TONEAREST);
+    EXPECT_EQ(found, expected);
+  }
+#if defined(__SSE2__)
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040u);  // flush to zero, denormals are zero
+  const auto found = boxes();
+  EXPECT_EQ(_mm_getcsr() & 0x8040u, 0x8040u);
+  _mm_setcsr(before);
+  EXPECT_EQ(found, expected);
+#endif
+}
+
+// The conditions hold away from the goal, but the motion drifts past it.
+TEST(Prover, ADriftThroughTheGoalIsNotProved) {
+  SafetyProblem problem = simple_problem();
+  problem.workspace_margin = nullptr;
+  Networks networks = simple_networks();
+  networks.f.layers = {layer(Points::Zero(2, 2), (Vector(2) << 1, 0).finished(), Activation::identity)};
+  networks.f.head = Head::plain;
+  networks.V.layers = {
+      layer((Points(1, 2) << -1, 0).finished(), Vector::Constant(1, 10.0), Activation::identity)};
+  networks.V.head = Head::plain;
+  networks.V.quadratic = 0.0;
+  const ProofResult result = prove(networks, problem, 0.01, quick());
+  EXPECT_TRUE(result[Condition::lyapunov_decrease].is_proved());
+  EXPECT_FALSE(result.side.goal_is_equilibrium);
+  EXPECT_FALSE(result.side.lyapunov_vanishes_at_goal);
+  EXPECT_EQ(result.guarantee, Guarantee::none);
 }
 
 TEST(Prover, NotANumberIsNeverProved) {
