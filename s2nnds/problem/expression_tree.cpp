@@ -16,6 +16,17 @@ using Column = Eigen::ArrayXd;
 constexpr int kNotAnInteger = std::numeric_limits<int>::max();
 constexpr Eigen::Index kTile = 1024;  // points at a time, so that the columns of all nodes stay in cache
 
+constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
+
+// The domains are those of the intervals, where doubles would go on with infinity: 1/0, log(0), 0^-1 are undefined, and
+// so is a power of a negative number unless the exponent is written as an integer.
+double quotient(double a, double b) { return b == 0.0 ? kUndefined : a / b; }
+double logarithm(double a) { return a > 0.0 ? std::log(a) : kUndefined; }
+double power_of(double base, double exponent, bool integer) {
+  if (base == 0.0 && exponent < 0.0) return kUndefined;
+  return base < 0.0 && !integer ? kUndefined : std::pow(base, exponent);
+}
+
 // min and max keep NaN, so that an undefined piece is noticed.
 double least(double a, double b) { return std::isnan(a) || a < b ? a : b; }
 
@@ -63,7 +74,7 @@ Interval enclose(const Node& node, const Interval& a, const Interval& b, const N
   return Interval::undefined();
 }
 
-Column evaluate(const Node& node, const Column& a, const Column& b) {
+Column evaluate(const Node& node, const Column& a, const Column& b, const Node& second) {
   switch (node.operation) {
     case Operation::constant:
     case Operation::variable:
@@ -79,7 +90,7 @@ Column evaluate(const Node& node, const Column& a, const Column& b) {
     case Operation::exp:
       return a.exp();
     case Operation::log:
-      return a.log();
+      return a.unaryExpr([](double x) { return logarithm(x); });
     case Operation::sqrt:
       return a.sqrt();
     case Operation::abs:
@@ -93,9 +104,12 @@ Column evaluate(const Node& node, const Column& a, const Column& b) {
     case Operation::multiply:
       return a * b;
     case Operation::divide:
-      return a / b;
-    case Operation::power:
-      return a.binaryExpr(b, [](double base, double exponent) { return std::pow(base, exponent); });
+      return a.binaryExpr(b, [](double x, double y) { return quotient(x, y); });
+    case Operation::power: {
+      const bool integer = second.integer_or(kNotAnInteger) != kNotAnInteger;
+      return a.binaryExpr(
+          b, [integer](double base, double exponent) { return power_of(base, exponent, integer); });
+    }
     case Operation::min:
       return a.binaryExpr(b, [](double x, double y) { return least(x, y); });
     case Operation::max:
@@ -139,7 +153,7 @@ int ExpressionTree::apply(Operation operation, int first, int second) {
   const Node& a = nodes_[static_cast<std::size_t>(first)];
   const Node& b = nodes_[static_cast<std::size_t>(second < 0 ? first : second)];
   if (a.operation != Operation::constant || b.operation != Operation::constant) return find_or_append(node);
-  const double value = evaluate(node, Column::Constant(1, a.value), Column::Constant(1, b.value))[0];
+  const double value = evaluate(node, Column::Constant(1, a.value), Column::Constant(1, b.value), b)[0];
   const Interval exact = enclose(node, a.exact, b.exact, &b);
   check(std::isfinite(value) && exact.is_defined(),
         "expression: a constant part of it has no finite value ({})", value);
@@ -160,7 +174,8 @@ Vector ExpressionTree::value(const Points& x) const {
         columns[i] = x.col(node.axis).segment(start, count);
       } else {
         const auto second = static_cast<std::size_t>(std::max(node.arguments[1], 0));
-        columns[i] = evaluate(node, columns[static_cast<std::size_t>(node.arguments[0])], columns[second]);
+        columns[i] = evaluate(node, columns[static_cast<std::size_t>(node.arguments[0])], columns[second],
+                              nodes_[second]);
       }
     }
     result.segment(start, count) = columns[static_cast<std::size_t>(root_)];

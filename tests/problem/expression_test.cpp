@@ -5,6 +5,8 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
+#include <functional>
+#include <optional>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
@@ -145,6 +147,107 @@ TEST(Expression, EnclosureHoldsTheExactValue) {
     const Interval w = wave.enclosure(box), a = astroid.enclosure(box);
     ASSERT_TRUE(Exact(w.lower) <= exact_wave && exact_wave <= Exact(w.upper));
     ASSERT_TRUE(Exact(a.lower) <= exact_astroid && exact_astroid <= Exact(a.upper));
+  }
+}
+
+// A random expression as text, and its exact value at a point: nothing where it is undefined.
+struct RandomTree {
+  std::string text;
+  std::function<std::optional<Exact>(const Exact&, const Exact&)> exact;
+};
+
+RandomTree random_tree(RandomStream& random, int depth) {
+  using Value = std::optional<Exact>;
+  if (depth == 0 || random.uniform() < 0.15) {
+    static const char* constants[] = {"0", "1", "2", "-1", "0.5", "3", "-2.5"};
+    const std::size_t choice = random.below(9);
+    if (choice == 0) return {"x", [](const Exact& x, const Exact&) -> Value { return x; }};
+    if (choice == 1) return {"y", [](const Exact&, const Exact& y) -> Value { return y; }};
+    const std::string text = constants[choice - 2];
+    return {"(" + text + ")", [c = Exact(text)](const Exact&, const Exact&) -> Value { return c; }};
+  }
+  const RandomTree a = random_tree(random, depth - 1);
+  using Unary = std::function<Value(const Exact&)>;
+  static const std::vector<std::pair<std::string, Unary>> functions = {
+      {"sin", [](const Exact& v) -> Value { return sin(v); }},
+      {"cos", [](const Exact& v) -> Value { return cos(v); }},
+      {"exp", [](const Exact& v) -> Value { return exp(v); }},
+      {"tanh", [](const Exact& v) -> Value { return tanh(v); }},
+      {"abs", [](const Exact& v) -> Value { return abs(v); }},
+      {"log", [](const Exact& v) { return v > 0 ? Value(log(v)) : Value(); }},
+      {"sqrt", [](const Exact& v) { return v >= 0 ? Value(sqrt(v)) : Value(); }},
+      {"-", [](const Exact& v) -> Value { return -v; }}};
+  if (random.uniform() < 0.4) {
+    const auto& [name, function] = functions[random.below(functions.size())];
+    return {name + "(" + a.text + ")", [a, function = function](const Exact& x, const Exact& y) {
+              const Value inner = a.exact(x, y);
+              return inner ? function(*inner) : Value();
+            }};
+  }
+  const RandomTree b = random_tree(random, depth - 1);
+  const std::size_t choice = random.below(7);
+  const int whole = static_cast<int>(random.below(7)) - 3;
+  if (choice == 6) {  // an integer written down
+    return {fmt::format("({})^({})", a.text, whole), [a, whole](const Exact& x, const Exact& y) {
+              const Value base = a.exact(x, y);
+              if (!base || (*base == 0 && whole < 0)) return Value();
+              return Value(whole == 0 ? Exact(1) : pow(*base, whole));
+            }};
+  }
+  static const std::string format[] = {"({}+{})", "({}-{})",    "({}*{})",
+                                       "({}/{})", "max({},{})", "min({},{})"};
+  return {fmt::format(fmt::runtime(format[choice]), a.text, b.text),
+          [a, b, choice](const Exact& x, const Exact& y) {
+            const Value u = a.exact(x, y), v = b.exact(x, y);
+            if (!u || !v || (choice == 3 && *v == 0)) return Value();
+            const Exact results[] = {*u + *v,           *u - *v,
+                                     *u * *v,           choice == 3 ? *u / *v : Exact(0),
+                                     *u < *v ? *v : *u, *u < *v ? *u : *v};
+            return Value(results[choice]);
+          }};
+}
+
+// What is undefined somewhere is neither inside nor outside, whatever is made of it: max(y/y, tanh(2.8)) at y = 0.
+TEST(Expression, RandomTreesAreDefinedWhereTheExactOnesAre) {
+  RandomStream random(5, "random-tree");
+  int undefined = 0, defined = 0;
+  for (int tree = 0; tree < 4000; ++tree) {
+    const RandomTree made = random_tree(random, 4);
+    std::optional<ExpressionTree> parsed;
+    try {
+      parsed = parse_expression(made.text, 2);
+    } catch (const Error&) {
+      continue;  // a constant part without a value
+    }
+    for (int k = 0; k < 6; ++k) {
+      Vector point(2);
+      for (int i = 0; i < 2; ++i)
+        point[i] = random.below(3) == 0 ? 0.0 : std::round(8.0 * random.uniform(-2.0, 2.0)) / 8.0;
+      Box box{point, point};
+      if (k % 2 == 1) box = {point.array() - random.uniform(), point.array() + random.uniform()};
+      const std::optional<Exact> exact = made.exact(Exact(point[0]), Exact(point[1]));
+      const Interval enclosure = parsed->enclosure(box);
+      const double rounded = parsed->value(point.transpose())[0];
+      if (!exact) {
+        ++undefined;
+        ASSERT_FALSE(enclosure.is_defined()) << made.text << " at " << point.transpose();
+      } else if (enclosure.is_defined()) {
+        ++defined;
+        ASSERT_TRUE(Exact(enclosure.lower) <= *exact && *exact <= Exact(enclosure.upper))
+            << made.text << " at " << point.transpose() << ": [" << enclosure.lower << ", " << enclosure.upper
+            << "]";
+        ASSERT_TRUE(k % 2 == 1 || std::isfinite(rounded) || abs(*exact) > 1e300) << made.text;
+      }
+    }
+  }
+  EXPECT_GT(undefined, 500);
+  EXPECT_GT(defined, 5000);
+}
+
+TEST(Expression, ValuesAreUndefinedWhereInfinityWouldBeLost) {
+  for (const std::string text : {"tanh(1/x)", "exp(log(x))", "max(y/x, tanh(2.8))", "1/(x^(-1))",
+                                 "min(1, 1/x)", "(0*y-2)^y", "exp(-1/abs(x))"}) {
+    EXPECT_TRUE(std::isnan(value(text, {0.0, 2.0}))) << text;
   }
 }
 
