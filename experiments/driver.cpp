@@ -9,11 +9,11 @@
 #include <set>
 
 #include "program/local_sweep.h"
-#include "program/python_script.h"
 #include "program/writable.h"
 #include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/platform.h"
+#include "s2nnds/core/python_module.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/runs/prepared_run.h"
 #include "s2nnds/runs/summary.h"
@@ -99,10 +99,10 @@ std::vector<Run> run_all(const Driver& driver, const Arguments& arguments) {
   return runs;
 }
 
-// Runs one of the Python scripts that draw.
-void run_plot(const std::string& script, const std::vector<std::string>& words) {
-  const int code = program::run_python("figures", std::string(S2NNDS_NOTEBOOKS) + "/" + script, words);
-  check(code == 0, "{}: exit code {}", script, code);
+// Runs one of the Python modules that draw.
+void run_plot(const std::string& module, const std::vector<std::string>& words) {
+  const int code = run_python_module("figures", module, words);
+  check(code == 0, "{}: exit code {}", module, code);
 }
 
 // The runs' summaries, each with its trial's label, profile and test demonstrations.
@@ -201,7 +201,7 @@ void draw_all(const std::vector<Run>& runs, const Arguments& arguments) {
     if (!is_drawn(run, arguments)) continue;
     const fs::path folder = fs::path(arguments.out) / "figures" / run.label;
     fs::create_directories(folder);
-    run_plot("plot_run.py", {run.path, "--out", folder});
+    run_plot("plot_run", {run.path, "--out", folder});
   }
 }
 
@@ -217,7 +217,7 @@ void draw_together(const std::string& name, const std::string& kind, const std::
   for (const Run& run : runs) {
     if (is_drawn(run, arguments)) words.push_back(run.path);
   }
-  run_plot("plot_paper.py", words);
+  run_plot("plot_paper", words);
 }
 
 Report report_runs(const std::vector<Run>& runs, const Arguments& arguments) {

@@ -73,7 +73,7 @@ bool is_drawn(const Run& run, const Arguments& arguments);
 // Draws the phase portrait and the other figures of each run that is_drawn into OUT/figures/LABEL.
 void draw_all(const std::vector<Run>& runs, const Arguments& arguments);
 
-// One figure of all of them, OUT/figures/NAME.png, by plot_paper.py: kind "panels", or "against", which wants
+// One figure of all of them, OUT/figures/NAME.png, by s2nnds.plot_paper: kind "panels", or "against", which wants
 // the driver's results.
 void draw_together(const std::string& name, const std::string& kind, const std::vector<Run>& runs,
                    const Arguments& arguments, const nlohmann::json& found = nullptr);

@@ -20,7 +20,7 @@ import numpy as np
 from matplotlib.patches import Patch
 from PIL import Image
 
-from plot_run import (
+from s2nnds.plot_run import (
     GOAL,
     INITIAL_EDGE,
     ROLLOUT,
@@ -38,7 +38,7 @@ from plot_run import (
     save,
     with_grid,
 )
-from s2nnds_run import Run, RunError
+from s2nnds.run import Run, RunError
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CONFIG = os.path.join(HERE, "../experiments/configs/handwriting/Sine.toml")

@@ -12,8 +12,8 @@ import unittest
 
 import numpy as np
 
-from plot_paper import main as plot_paper
-from s2nnds_run import Run
+from s2nnds.plot_paper import main as plot_paper
+from s2nnds.run import Run
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CONFIG = os.path.join(HERE, "../experiments/configs/handwriting/Sine.toml")

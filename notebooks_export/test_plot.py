@@ -18,12 +18,12 @@ import unittest
 import h5py
 import numpy as np
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "python"))
 
-import plot_run
 import readme_picture
-from isosurface import isosurface
-from s2nnds_run import ACTIVATIONS, Network, Run, RunError
+from s2nnds import plot_run
+from s2nnds.isosurface import isosurface
+from s2nnds.run import ACTIVATIONS, Network, Run, RunError
 
 
 def random_network(rng, n, outputs, activation="tanh", head="plain", quadratic=0.0, bias=True):

@@ -15,8 +15,8 @@ import unittest
 import h5py
 import numpy as np
 
-import plot_sweep
-from s2nnds_sweep import Sweep, SweepError, pareto_front
+from s2nnds import plot_sweep
+from s2nnds.sweep import Sweep, SweepError, pareto_front
 from test_plot import synthetic_run
 
 HERE = os.path.dirname(os.path.abspath(__file__))

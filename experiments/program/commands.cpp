@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "progress.h"
-#include "python_script.h"
 #include "run_report.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/python_module.h"
 #include "s2nnds/core/settings.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/export_format.h"
@@ -189,7 +189,7 @@ int export_policy(const ExportArguments& arguments, const CommonArguments& commo
 int plot(const PlotArguments& arguments) {
   load_run(arguments.run);  // says what is wrong with a bad file
   const std::string out = arguments.out.empty() ? sibling(arguments.run, "-figures") : arguments.out;
-  return run_python("plot", S2NNDS_PLOT_SCRIPT, {arguments.run, "--out", out});
+  return run_python_module("plot", "plot_run", {arguments.run, "--out", out});
 }
 
 int info(const InfoArguments& arguments, const CommonArguments& common) {

@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "local_sweep.h"
-#include "python_script.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/platform.h"
+#include "s2nnds/core/python_module.h"
 #include "s2nnds/data/readers.h"
 #include "sweep_report.h"
 #include "sweep_slurm.h"
@@ -59,8 +59,8 @@ int report(const Sweep& sweep, const SweepFolder& folder, bool json) {
   const SweepState state = read_state(sweep, folder);
   check(!state.results.empty(), "{}: found no results yet, expected some to report", folder.path());
   const bool reached = report_sweep(sweep, folder, state, json);
-  const int drawn = run_python("sweep --report", S2NNDS_PLOT_SWEEP_SCRIPT,
-                               {folder.file("table.h5"), "--out", folder.file("figures")});
+  const int drawn = run_python_module("sweep --report", "plot_sweep",
+                                      {folder.file("table.h5"), "--out", folder.file("figures")});
   return drawn != 0 ? drawn : reached ? kVerified : kNotVerified;
 }
 

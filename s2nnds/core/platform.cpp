@@ -8,12 +8,15 @@
 #include "s2nnds/core/check.h"
 
 #if defined(__linux__)
+#include <dlfcn.h>
+#include <link.h>
 #include <sched.h>
 #include <sys/prctl.h>
 #if defined(__GLIBC__)
 #include <malloc.h>
 #endif
 #elif defined(__APPLE__)
+#include <dlfcn.h>
 #include <mach-o/dyld.h>
 
 #include <cstdint>
@@ -41,6 +44,15 @@ std::string executable_path() {
   const std::filesystem::path path = std::filesystem::read_symlink("/proc/self/exe", error);
   check(!error, "/proc/self/exe: cannot read it: {}; expected the path of this program", error.message());
   return path.string();
+}
+
+std::string code_path() {
+  Dl_info info;
+  link_map* file = nullptr;
+  const auto address = reinterpret_cast<void*>(&code_path);
+  const bool found = ::dladdr1(address, &info, reinterpret_cast<void**>(&file), RTLD_DL_LINKMAP) != 0;
+  return found && file->l_name[0] != '\0' ? file->l_name
+                                          : executable_path();  // the program itself has no name here
 }
 
 int available_cores() {
@@ -76,6 +88,12 @@ std::string executable_path() {
   const std::filesystem::path real = std::filesystem::canonical(path, error);
   check(!error, "{}: cannot resolve it: {}; expected the path of this program", path, error.message());
   return real.string();
+}
+
+std::string code_path() {
+  Dl_info info;
+  const bool found = ::dladdr(reinterpret_cast<const void*>(&code_path), &info) != 0;
+  return found ? info.dli_fname : executable_path();
 }
 
 int available_cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }

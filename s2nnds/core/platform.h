@@ -11,6 +11,10 @@ namespace s2nnds {
 // The file of the running program, without symbolic links. Throws Error when the system does not tell.
 std::string executable_path();
 
+// The file that this code is part of: the running program, or a shared library that it has loaded. Throws Error when
+// the system does not tell.
+std::string code_path();
+
 // Processors that this process may use (of its Slurm task, of its container's set; on macOS, all), >= 1.
 int available_cores();
 

@@ -14,7 +14,7 @@ import numpy as np
 
 PROJECT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SINE = os.path.join(PROJECT, "experiments/configs/handwriting/Sine.toml")
-sys.path.insert(0, os.path.join(PROJECT, "notebooks_export"))
+sys.path.insert(0, os.path.join(PROJECT, "notebooks_export/python"))
 
 PROGRAM = ""  # main() sets it
 

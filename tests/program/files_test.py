@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import torch
 from command_line import ProgramTest
-from s2nnds_run import Run
+from s2nnds.run import Run
 
 
 def interpret_onnx(model, x):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads the table of a sweep (table.h5 in its folder). Needs numpy and h5py.
 
-    from s2nnds_sweep import Sweep
+    from s2nnds import Sweep
     sweep = Sweep("recipe-sweep/table.h5")
     sweep["mse_validation"], sweep["training.loss.decay_rate"]    # one array a column, one entry a trial
     sweep.axes, sweep.objective, sweep.ranking()
@@ -94,7 +94,7 @@ class Sweep:
         return len(self["trial"])
 
     def run(self, trial):
-        """The path of a trial's run file, for s2nnds_run.Run."""
+        """The path of a trial's run file, for Run."""
         (row,) = np.flatnonzero(self["trial"] == trial)
         return os.path.join(self.folder, self["run"][row])
 

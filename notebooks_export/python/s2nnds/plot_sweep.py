@@ -1,8 +1,7 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures of a sweep, from its table alone.
 
-    plot_sweep.py SWEEP-FOLDER/table.h5 --out DIR [--format png|pdf]
+    python -m s2nnds.plot_sweep SWEEP-FOLDER/table.h5 --out DIR [--format png|pdf]
 
 effects: what each axis does by itself from end to end of its range, or from a list's first value to another one, with two
 standard errors (only where the trials tell the axes apart).
@@ -24,7 +23,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from s2nnds_sweep import Sweep, SweepError, pareto_front
+from .sweep import Sweep, SweepError, pareto_front
 
 REACHED, MISSED, FRONT = "#0a7d0a", "#b3261e", "#1f4fd1"
 STYLE = {"figure.dpi": 150, "savefig.dpi": 150, "font.size": 10, "axes.titlesize": 11, "axes.axisbelow": True}

@@ -1,10 +1,10 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures of several runs in one, as the paper arranges them.
 
-    plot_paper.py panels FIGURE RUN.h5...                 the phase portraits of planar runs side by side (Fig. 2)
-    plot_paper.py against FIGURE RESULTS.json RUN.h5...   ours above, ABC-DS's polynomials below (Fig. 4); RESULTS.json
-                                                          is what the driver abc_ds_benchmark wrote, for these runs
+    python -m s2nnds.plot_paper panels FIGURE RUN.h5...
+        the phase portraits of planar runs side by side (Fig. 2)
+    python -m s2nnds.plot_paper against FIGURE RESULTS.json RUN.h5...
+        ours above, ABC-DS's polynomials below (Fig. 4); RESULTS.json is what the driver abc_ds_benchmark wrote, for these runs
 
 FIGURE ends in .png or .pdf. Exit code 2 and one line on stderr when a file cannot be used.
 """
@@ -21,7 +21,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from plot_run import (
+from .plot_run import (
     ROLLOUT,
     STYLE,
     demonstration_groups,
@@ -35,7 +35,7 @@ from plot_run import (
     save,
     with_grid,
 )
-from s2nnds_run import Run, RunError
+from .run import Run, RunError
 
 
 def planar(paths):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads the run files of s2nnds (HDF5, schema 2) with numpy and h5py alone.
 
-    from s2nnds_run import Run
+    from s2nnds import Run
     run = Run("sine.h5")
     run.name, run.guarantee               # "Sine", "invariant"
     run.f(x), run.V(x), run.B(x)          # x [N, n] or [n], normalised and goal-centred

@@ -1,8 +1,7 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures of one run, from its run file alone, in the data's unit and frame.
 
-    plot_run.py RUN.h5 --out DIR [--format png|pdf]
+    python -m s2nnds.plot_run RUN.h5 --out DIR [--format png|pdf]
 
 2-D: phase_portrait, lyapunov, history. 3-D: the same and slices. More dimensions: pairwise projections.
 Prints the paths it wrote; exit code 2 and one line on stderr when the file or the folder cannot be used.
@@ -26,8 +25,8 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import LogFormatterSciNotation, MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
-from isosurface import isosurface
-from s2nnds_run import Grid, Run, RunError
+from .isosurface import isosurface
+from .run import Grid, Run, RunError
 
 SAFE_FILL, SAFE_EDGE = "#d2f5d2", "#0a7d0a"
 UNSAFE_FILL, UNSAFE_EDGE = "#f2a09a", "#b3261e"
