@@ -50,10 +50,14 @@ std::string python_package() {
   return package.string();
 }
 
+std::string python_program() {
+  const char* wish = std::getenv("S2NNDS_PYTHON");
+  return wish ? wish : "/usr/bin/python3";
+}
+
 int run_python_module(const std::string& command, const std::string& name,
                       const std::vector<std::string>& arguments) {
-  const char* wish = std::getenv("S2NNDS_PYTHON");
-  const std::string python = wish ? wish : "/usr/bin/python3";
+  const std::string python = python_program();
   std::vector<std::string> words = {python, "-m", "s2nnds." + name};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = environment_with(fs::path(python_package()).parent_path());

@@ -11,9 +11,11 @@ namespace s2nnds {
 // same folder, or of a program beside a link to it. Throws Error where there is none.
 std::string python_package();
 
-// Runs the module s2nnds.NAME of that package, `python -m s2nnds.NAME ARGUMENTS`, with the Python of the environment
-// variable S2NNDS_PYTHON, else /usr/bin/python3, and returns its exit code (1: a signal ended it). `command` names
-// who asks in the Error that is thrown when it cannot be started.
+// The Python to start: the one that the environment variable S2NNDS_PYTHON names, else /usr/bin/python3.
+std::string python_program();
+
+// Runs the module s2nnds.NAME of that package, `python -m s2nnds.NAME ARGUMENTS`, with python_program(), and returns
+// its exit code (1: a signal ended it). `command` names who asks in the Error that is thrown when it cannot be started.
 int run_python_module(const std::string& command, const std::string& name,
                       const std::vector<std::string>& arguments);
 

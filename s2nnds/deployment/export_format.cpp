@@ -6,6 +6,7 @@
 #include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/deployment/onnx.h"
+#include "s2nnds/deployment/pt2.h"
 #include "s2nnds/deployment/torchscript.h"
 
 namespace s2nnds {
@@ -18,7 +19,10 @@ const std::vector<ExportFormat>& export_formats() {
        }},
       {"onnx", ".onnx", "ONNX model", "an ONNX runtime",
        [](const Policy& policy, const ExportOptions&, const std::string&) { return onnx_model(policy); }},
-      {"torchscript", ".pt", "TorchScript module", "PyTorch or LibTorch",
+      {"pt2", ".pt2", "torch.export program",
+       "PyTorch 2.6 or newer; the Python of S2NNDS_PYTHON writes it with that",
+       [](const Policy& policy, const ExportOptions&, const std::string&) { return pt2_program(policy); }},
+      {"torchscript", ".pt", "TorchScript module", "PyTorch and LibTorch; deprecated by PyTorch",
        [](const Policy& policy, const ExportOptions&, const std::string&) {
          return torchscript_module(policy);
        }},

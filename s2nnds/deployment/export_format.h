@@ -12,7 +12,7 @@ namespace s2nnds {
 
 // What the formats let one choose.
 struct ExportOptions {
-  HeaderPrecision precision = HeaderPrecision::float32;  // of f in a C++ header; other formats ignore it
+  HeaderPrecision precision = HeaderPrecision::float32;  // of f in a C++ header alone
 };
 
 // One way to write a policy. A new one is a row in export_format.cpp and a function that makes its bytes.

@@ -62,7 +62,8 @@ void check_policy(const Policy& policy) {
 void check_fits_float(const NetworkWeights& network) {
   const auto check_weight = [](double weight) {
     check(std::isfinite(static_cast<float>(weight)),
-          "policy: the weight {} is beyond float's range, use --format header --precision double", weight);
+          "policy: the weight {} is beyond float's range, use --format header --precision double or pt2",
+          weight);
   };
   for (const Layer& layer : network.layers) {
     for (const double weight : layer.weight.reshaped()) check_weight(weight);

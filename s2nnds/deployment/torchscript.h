@@ -7,7 +7,8 @@
 
 namespace s2nnds {
 
-// The bytes of a TorchScript module (loads with torch.jit.load and torch::jit::load):
+// The bytes of a TorchScript module (loads with torch.jit.load and torch::jit::load; PyTorch deprecates the
+// format, see pt2.h):
 // - `forward(x)`: velocities [N, n] in the data's unit per second, at positions x [N, n] in that unit,
 //   goal-centred;
 // - `lyapunov(x)`, `barrier(x)`: [N];

@@ -6,13 +6,14 @@ import os
 import resource
 import shutil
 import subprocess
+import sys
 import unittest
 
 import command_line
 import h5py
 import numpy as np
 import scipy.io
-from command_line import SINE, ProgramTest, settings
+from command_line import SINE, ProgramTest, settings, torch_export
 
 KEPT = b"an older result"
 
@@ -240,9 +241,40 @@ class OutputTest(ProgramTest):
         os.mkdir(self.path("folder.h5"))
         self.assert_refused(self.call("train", SINE, *settings(), "--out", self.path("folder.h5")), "folder.h5")
         run = self.trained()
-        for kind in ("header", "onnx", "torchscript"):
+        for kind in ("header", "onnx", "pt2", "torchscript"):
             refused = self.call("export", run, "--format", kind, "--out", self.path("folder.h5"))
             self.assert_refused(refused, "folder.h5")
+
+    def test_pythons_that_cannot_write_pt2(self):
+        run = self.trained()
+        os.makedirs(self.path("modules/torch"))
+
+        def refused(*words, **variables):
+            out = self.path("kept.pt2")
+            with open(out, "wb") as file:
+                file.write(KEPT)
+            result = self.call("export", run, "--format", "pt2", "--out", out, variables=variables)
+            self.assert_refused(result, "pt2: ", "S2NNDS_PYTHON", *words)
+            self.assertEqual(sorted(os.listdir(self.folder)), ["kept.pt2", "modules", "run.h5"])
+            with open(out, "rb") as file:
+                self.assertEqual(file.read(), KEPT)
+
+        def torch(text):
+            with open(self.path("modules/torch/__init__.py"), "w", encoding="utf-8") as file:
+                file.write(text)
+
+        here = {"PYTHONPATH": self.path("modules"), "PYTHONDONTWRITEBYTECODE": "1"}
+        refused("/nowhere/python3", "No such file", S2NNDS_PYTHON="/nowhere/python3")
+        refused("exit code 1", S2NNDS_PYTHON="/bin/false")
+        refused("found no output", S2NNDS_PYTHON="/bin/true")
+        torch("__version__ = '1.13.1+cpu'")
+        refused(sys.executable, "found Python 3.", "with torch 1.13.1+cpu, expected torch 2.6 or newer", **here)
+        torch("raise ImportError('libcuda.so:\\nnot found')")
+        refused("whose torch cannot be imported (libcuda.so: not found), expected torch 2.6 or newer", **here)
+        torch("raise ModuleNotFoundError('torch', name='torch')")
+        refused("without torch, expected torch 2.6 or newer", **here)
+        torch("__version__ = '2.99'")
+        refused("AttributeError", **here)
 
     def test_file_in_place_of_a_folder(self):
         with open(self.path("figures"), "wb") as file:
@@ -294,7 +326,7 @@ class FullDiskTest(ProgramTest):
         out = self.path("run.out")
         with open(out, "wb") as file:
             file.write(KEPT)
-        for kind in ("header", "onnx", "torchscript"):
+        for kind in ("header", "onnx", "torchscript") if torch_export() else ("header", "onnx", "pt2", "torchscript"):
             self.assert_refused(self.limited("export", run, "--format", kind, "--out", out), out, "cannot write")
         os.remove(run)
         self.assert_kept(out)

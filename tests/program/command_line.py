@@ -40,22 +40,34 @@ SMALL = {
 CLOCKS = ("/history/seconds", "/timing", "/certificate/conditions/*/seconds", "/@created")
 
 
+def torch_export():
+    """None, or why the format pt2 cannot be written and read here."""
+    try:
+        import torch
+    except ImportError as error:
+        return f"{sys.executable} cannot import torch: {error}"
+    if tuple(map(int, torch.__version__.split("+")[0].split(".")[:2])) < (2, 6):
+        return f"{sys.executable} has torch {torch.__version__}, expected 2.6 or newer"
+    return None
+
+
 def settings(changes=None):
     values = {**SMALL, **(changes or {})}
     return [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
 
 
-def environment():
-    """Passive waiting: with more threads than free cores, spinning ones would stall each other."""
+def environment(changes=None):
+    """Passive waiting: with more threads than free cores, spinning ones would stall each other. The program's scripts run
+    with the Python that runs the tests."""
     kept = {key: value for key, value in os.environ.items() if key != "S2NNDS_DATA"}
-    return {**kept, "OMP_WAIT_POLICY": "passive"}
+    return {"S2NNDS_PYTHON": sys.executable, **kept, "OMP_WAIT_POLICY": "passive", **(changes or {})}
 
 
-def start(*words, cwd, **options):
+def start(*words, cwd, variables=None, **options):
     return subprocess.Popen(
         [PROGRAM, *map(str, words)],
         cwd=cwd,
-        env=environment(),
+        env=environment(variables),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -170,12 +182,12 @@ class ProgramTest(unittest.TestCase):
     def call(self, *words, **options):
         return call(*words, cwd=self.folder, **options)
 
-    def trained(self, name="run.h5", changes=None):
+    def trained(self, name="run.h5", changes=None, config=SINE):
         """A copy of a small trained run."""
-        key = repr(sorted((changes or {}).items()))
+        key = repr((config, sorted((changes or {}).items())))
         if key not in self._trained:
             stored = os.path.join(self.store, f"{len(self._trained)}.h5")
-            code, _, err = self.call("train", SINE, *settings(changes), "--threads", 1, "--out", stored)
+            code, _, err = self.call("train", config, *settings(changes), "--threads", 1, "--out", stored)
             self.assertIn(code, (0, 3), err)
             self._trained[key] = stored
         return shutil.copyfile(self._trained[key], self.path(name))

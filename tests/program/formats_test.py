@@ -1,0 +1,236 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every export format against the run file's own networks: the C++ header, ONNX, pt2 and TorchScript agree with Python.
+
+What this Python cannot read is skipped with a message; the whole needs torch 2.6 or newer, onnxruntime, h5py and a compiler.
+"""
+
+import json
+import os
+import subprocess
+import unittest
+import warnings
+
+import command_line
+import numpy as np
+from command_line import PROJECT, ProgramTest, torch_export
+from s2nnds.run import Run
+
+HELIX = os.path.join(PROJECT, "experiments/configs/handwriting/Helix.toml")  # three dimensions
+
+# Of the largest velocity (normalised), V and B, or of 1 where they are smaller.
+TOLERANCE = 1e-6
+
+DRIVER = """
+#include "{folder}/policy_{precision}.h"
+#include <cstdio>
+namespace policy = policy_policy_{precision};
+int main() {{
+  double x[policy::dimension], v[policy::dimension];
+  for (;;) {{
+    for (double& value : x) {{
+      if (std::scanf("%lf", &value) != 1) return 0;
+    }}
+    policy::velocity(x, v);
+    for (double value : v) std::printf("%.17g ", value);
+    std::printf("%.17g %.17g %d\\n", policy::lyapunov(x), policy::barrier(x), int(policy::safe(x)));
+  }}
+}}
+"""
+
+
+class Missing(Exception):
+    """What this machine lacks to use a format."""
+
+
+class Header:
+    def __init__(self, export, folder, precision):
+        export("header", f"policy_{precision}.h", "--precision", precision)
+        self.driver = os.path.join(folder, f"driver_{precision}")
+        with open(self.driver + ".cpp", "w", encoding="utf-8") as file:
+            file.write(DRIVER.format(folder=folder, precision=precision))
+        flags = ("-std=c++17", "-O2", "-march=native")
+        subprocess.run(["g++", *flags, self.driver + ".cpp", "-o", self.driver], check=True)
+
+    def __call__(self, x):
+        n = x.shape[1]
+        text = "\n".join(" ".join(f"{value:.17g}" for value in point) for point in x)
+        done = subprocess.run([self.driver], input=text, capture_output=True, text=True, check=True)
+        rows = np.array([[float(word) for word in line.split()] for line in done.stdout.splitlines()])
+        return rows[:, :n], rows[:, n], rows[:, n + 1], rows[:, n + 2] == 1.0
+
+
+class Onnx:
+    def __init__(self, export, folder):
+        try:
+            import onnxruntime
+        except ImportError as error:
+            raise Missing(f"no ONNX runtime: {error}") from None
+        path = export("onnx", "policy.onnx")
+        self.session = onnxruntime.InferenceSession(path, providers=["CPUExecutionProvider"])
+        self.about = self.session.get_modelmeta().custom_metadata_map
+
+    def __call__(self, x):
+        velocity, lyapunov, barrier = self.session.run(None, {"position": x.astype(np.float32)})
+        lower, upper = np.array(self.about["workspace"].split(", "), dtype=float).reshape(2, -1)
+        return velocity, lyapunov, barrier, (barrier <= 0.0) & np.all((x >= lower) & (x <= upper), axis=1)
+
+
+class Pt2:
+    def __init__(self, export, folder, dtype):
+        if torch_export() is not None:
+            raise Missing(torch_export())
+        import torch
+
+        self.torch, self.dtype = torch, dtype
+        about = {"policy.json": ""}
+        self.module = torch.export.load(export("pt2", "policy.pt2"), extra_files=about).module()
+        self.about = json.loads(about["policy.json"])
+
+    def __call__(self, x):
+        values = self.module(self.torch.as_tensor(x.astype(self.dtype)))
+        return tuple(values[name].numpy() for name in ("velocity", "lyapunov", "barrier", "safe"))
+
+
+class TorchScript:
+    def __init__(self, export, folder, dtype):
+        try:
+            import torch
+        except ImportError as error:
+            raise Missing(f"no torch: {error}") from None
+        self.torch, self.dtype = torch, dtype
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that PyTorch deprecates it
+            policy = torch.jit.load(export("torchscript", "policy.pt"))
+        self.policy = policy.double() if dtype == "float64" else policy
+
+    def __call__(self, x):
+        p, t = self.policy, self.torch.as_tensor(x.astype(self.dtype))
+        return tuple(values.numpy() for values in (p(t), p.lyapunov(t), p.barrier(t), p.safe(t)))
+
+
+FORMATS = {
+    "header, float": lambda export, folder: Header(export, folder, "float"),
+    "header, double": lambda export, folder: Header(export, folder, "double"),
+    "onnx": Onnx,
+    "pt2, float64 in": lambda export, folder: Pt2(export, folder, "float64"),
+    "pt2, float32 in": lambda export, folder: Pt2(export, folder, "float32"),
+    "torchscript, float32": lambda export, folder: TorchScript(export, folder, "float32"),
+    "torchscript, float64": lambda export, folder: TorchScript(export, folder, "float64"),
+}
+
+
+class FormatsTest(ProgramTest):
+    def exporter(self, run):
+        done = set()
+
+        def export(kind, name, *words):
+            if name in done:  # pt2 takes seconds
+                return self.path(name)
+            done.add(name)
+            code, out, err = self.call("export", run, "--format", kind, "--out", self.path(name), *words)
+            self.assertEqual((code, err), (0, ""), out)
+            return self.path(name)
+
+        return export
+
+    def compare(self, run, policy, x):
+        """The largest differences of velocity (normalised), V and B, over what they are allowed to be relative to."""
+        found = policy(x)
+        normalised = x / run.data.position_scale
+        expected = run.data.velocity_scale * run.f(normalised), run.V(normalised), run.B(normalised)
+        errors = []
+        for values, exact, unit in zip(found, expected, (run.data.velocity_scale, 1.0, 1.0)):
+            self.assertEqual(values.shape, exact.shape)
+            errors.append(np.abs(values - exact).max() / max(unit, np.abs(exact).max()))
+        inside = np.all((normalised >= run.problem.workspace_lower) & (normalised <= run.problem.workspace_upper), axis=1)
+        certain = np.abs(expected[2]) > TOLERANCE * max(1.0, np.abs(expected[2]).max())
+        self.assertEqual(found[3].shape, (len(x),))
+        np.testing.assert_array_equal(found[3][certain], ((expected[2] <= 0.0) & inside)[certain])
+        return errors
+
+    def assert_formats_agree(self, title, path):
+        run, rng = Run(path), np.random.default_rng(3)
+        # Positions that float32 holds, some of them outside of the workspace.
+        points = rng.uniform(1.2 * run.problem.workspace_lower, 1.2 * run.problem.workspace_upper, (1008, run.dimension))
+        points = (points * run.data.position_scale).astype(np.float32).astype(float)
+        export = self.exporter(path)
+        for name, reader in FORMATS.items():
+            with self.subTest(run=title, format=name):
+                try:
+                    policy = reader(export, self.folder)
+                except Missing as missing:
+                    self.skipTest(f"{name}: {missing}")
+                # One point, seven, a thousand: N is free.
+                errors = np.max([self.compare(run, policy, part) for part in np.split(points, [1, 8])], axis=0)
+                print(f"  {title:28} {name:22} f {errors[0]:.1e}  V {errors[1]:.1e}  B {errors[2]:.1e}")
+                self.assertLess(errors.max(), TOLERANCE)
+
+    def test_tanh_and_the_heads_of_the_robust_profile(self):
+        self.assert_formats_agree("2-D, tanh", self.trained())
+
+    def test_other_activations(self):
+        for f, V, B in (("sine", "softplus", "silu"), ("elu", "tanh", "elu")):
+            changes = {f"networks.{key}.activation": f'"{kind}"' for key, kind in zip("fVB", (f, V, B))}
+            self.assert_formats_agree(f"2-D, {f} {V} {B}", self.trained(changes=changes))
+
+    def test_plain_heads_of_the_papers_profile(self):
+        self.assert_formats_agree("2-D, paper", self.trained(changes={"profile": '"paper"'}))
+
+    def test_three_dimensions(self):
+        for f in ("tanh", "silu"):
+            changes = {"networks.f.activation": f'"{f}"'}
+            self.assert_formats_agree(f"3-D, {f}", self.trained(changes=changes, config=HELIX))
+
+    def test_wide_networks(self):
+        changes = {"networks.f.hidden": "[64, 64, 64]", "networks.V.hidden": "[64, 64]", "networks.B.hidden": "[64, 64]"}
+        self.assert_formats_agree("2-D, 64 wide", self.trained(changes=changes))
+
+    def test_certified_networks(self):
+        path = self.certified()
+        code, _, err = self.call("verify", path, "--method", "proof")
+        self.assertEqual(code, 0, err)
+        self.assertEqual(Run(path).guarantee, "invariant")
+        self.assert_formats_agree("2-D, certified", path)
+
+    @unittest.skipIf(torch_export(), torch_export())
+    def test_pt2_carries_what_is_guaranteed(self):
+        path = self.certified()
+        code, _, err = self.call("verify", path, "--method", "sampled")
+        self.assertEqual(code, 0, err)
+        run, about = Run(path), Pt2(self.exporter(path), self.folder, "float64").about
+        self.assertEqual((about["guarantee"], run.guarantee), ("sampled", "sampled"))
+        self.assertEqual(about["weight_hash"], run.certificate["weight_hash"])
+        self.assertEqual(about["statement"], run.certificate["statement"])
+        self.assertEqual((about["dimension"], about["name"], about["unit"]), (2, "Sine", "mm"))
+        self.assertEqual(about["position_scale"], run.data.position_scale)
+        self.assertEqual(about["velocity_scale"], run.data.velocity_scale)
+        corners = np.concatenate([run.problem.workspace_lower, run.problem.workspace_upper])
+        np.testing.assert_allclose(about["workspace"], corners * run.data.position_scale, rtol=1e-12)
+        keys = {"disturbance_margin", "convergence_radius", "float32_error"}
+        self.assertTrue(keys <= about.keys(), about)
+
+    @unittest.skipIf(torch_export(), torch_export())
+    def test_pt2_takes_no_points_and_not_a_number(self):
+        import torch
+
+        policy = Pt2(self.exporter(self.trained()), self.folder, "float64")
+        self.assertEqual([len(values) for values in policy(np.zeros((0, 2)))], [0, 0, 0, 0])
+        velocity, lyapunov, barrier, safe = policy(np.array([[np.nan, 0.0], [0.0, 0.0]]))
+        self.assertTrue(np.isnan([*velocity[0], lyapunov[0], barrier[0]]).all())
+        self.assertFalse(safe[0])
+        np.testing.assert_allclose(velocity[1], 0.0, atol=1e-12)
+        with self.assertRaises(Exception):
+            policy.module(torch.zeros(4, 3, dtype=torch.float64))
+
+    def test_onnx_takes_float32_alone(self):
+        try:
+            policy = Onnx(self.exporter(self.trained()), self.folder)
+        except Missing as missing:
+            self.skipTest(str(missing))
+        with self.assertRaisesRegex(Exception, r"tensor\(double\).*tensor\(float\)"):
+            policy.session.run(None, {"position": np.zeros((1, 2))})
+
+
+if __name__ == "__main__":
+    command_line.main()
