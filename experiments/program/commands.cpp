@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "need_libtorch.h"
 #include "progress.h"
 #include "run_report.h"
 #include "s2nnds/core/check.h"
@@ -111,6 +112,7 @@ void verify_and_evaluate(const PreparedRun& setup, RunRecord& record) {
 }  // namespace
 
 int train(const TrainArguments& arguments, const CommonArguments& common) {
+  need_libtorch(common);
   set_threads(common.threads);
   const std::string data = data_directory(common.data);
   TrainingStart start =
@@ -173,9 +175,10 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
 }
 
 int export_policy(const ExportArguments& arguments, const CommonArguments& common) {
+  const ExportFormat& format = export_format_from(arguments.format);
+  if (format.libtorch) need_libtorch(common);
   set_threads(common.threads);
   const RunRecord record = load_run(arguments.run);
-  const ExportFormat& format = export_format_from(arguments.format);
   const std::string path =
       arguments.out.empty() ? sibling(arguments.run, std::string(format.ending)) : arguments.out;
   check_writable(path);

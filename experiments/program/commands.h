@@ -16,9 +16,10 @@ inline constexpr int kBadInput = 2;
 inline constexpr int kNotVerified = 3;
 
 struct CommonArguments {
-  std::string data;   // --data: where the data files are
-  int threads = 0;    // --threads: 0 is all cores
-  bool json = false;  // --json: one JSON object as the last line of stdout
+  std::string data;        // --data: where the data files are
+  int threads = 0;         // --threads: 0 is all cores
+  bool json = false;       // --json: one JSON object as the last line of stdout
+  char** words = nullptr;  // the command line as main() got it
 };
 
 struct TrainArguments {

@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", fmt::format("s2nnds {} ({})\n{}", s2nnds::program_version(),
                                                 s2nnds::build_type(), s2nnds::library_versions()));
   CommonArguments common;
+  common.words = argv;
   int code = kVerified;
   const auto command = [&](const char* name, const char* help) {
     CLI::App* sub = app.add_subcommand(name, help);

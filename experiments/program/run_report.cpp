@@ -189,7 +189,8 @@ std::string details(const RunRecord& record) {
          row("written", fmt::format("{} by version {}, schema {}", record.created, record.program_version,
                                     run_schema_version)) +
          row("libraries", record.library_versions) +
-         row("threads here", fmt::format("loops {}, ATen {}, BLAS {}", threads.loops, threads.aten,
+         row("threads here", fmt::format("loops {}, ATen {}, BLAS {}", threads.loops,
+                                         threads.aten ? std::to_string(*threads.aten) : "not loaded",
                                          threads.blas ? std::to_string(*threads.blas) : "without its own"));
 }
 

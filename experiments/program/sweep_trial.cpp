@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "need_libtorch.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/settings.h"
 #include "s2nnds/data/readers.h"
@@ -56,6 +57,7 @@ int train_trial(const Sweep& sweep, const SweepFolder& folder, const Trial& tria
 }  // namespace
 
 int run_trial(const Sweep& sweep, const SweepFolder& folder, std::int64_t id, const CommonArguments& common) {
+  need_libtorch(common);
   const auto began = std::chrono::steady_clock::now();
   const Trial trial = sweep.trial(id);
   folder.make_run_folder(id);

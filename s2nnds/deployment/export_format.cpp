@@ -13,16 +13,16 @@ namespace s2nnds {
 
 const std::vector<ExportFormat>& export_formats() {
   static const std::vector<ExportFormat> formats = {
-      {"header", ".h", "C++ header", "a C++17 compiler",
+      {"header", ".h", "C++ header", "a C++17 compiler", false,
        [](const Policy& policy, const ExportOptions& options, const std::string& path) {
          return cpp_header(policy, options.precision, policy_namespace(path));
        }},
-      {"onnx", ".onnx", "ONNX model", "an ONNX runtime",
+      {"onnx", ".onnx", "ONNX model", "an ONNX runtime", false,
        [](const Policy& policy, const ExportOptions&, const std::string&) { return onnx_model(policy); }},
       {"pt2", ".pt2", "torch.export program",
-       "PyTorch 2.6 or newer; the Python of S2NNDS_PYTHON writes it with that",
+       "PyTorch 2.6 or newer; the Python of S2NNDS_PYTHON writes it with that", false,
        [](const Policy& policy, const ExportOptions&, const std::string&) { return pt2_program(policy); }},
-      {"torchscript", ".pt", "TorchScript module", "PyTorch and LibTorch; deprecated by PyTorch",
+      {"torchscript", ".pt", "TorchScript module", "PyTorch and LibTorch; deprecated by PyTorch", true,
        [](const Policy& policy, const ExportOptions&, const std::string&) {
          return torchscript_module(policy);
        }},

@@ -70,7 +70,8 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   json["weight_hash"] = certificate.weight_hash;
   json["statement"] = certificate.statement;
   const ThreadCounts threads = thread_counts();
-  json["threads"] = {{"loops", threads.loops}, {"aten", threads.aten}, {"blas", nullptr}};
+  json["threads"] = {{"loops", threads.loops}, {"aten", nullptr}, {"blas", nullptr}};
+  if (threads.aten) json["threads"]["aten"] = *threads.aten;
   if (threads.blas) json["threads"]["blas"] = *threads.blas;
   json["run"] = path;
   return json.dump();

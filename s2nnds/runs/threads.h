@@ -8,8 +8,8 @@ namespace s2nnds {
 // How many threads each of those that compute in this process would use.
 struct ThreadCounts {
   int loops = 1;            // the library's: networks, prover, rollouts
-  int aten = 1;             // tensors
-  std::optional<int> blas;  // OpenBLAS or BLIS behind them; none: a BLAS without threads of its own
+  std::optional<int> aten;  // tensors; none: a program without LibTorch
+  std::optional<int> blas;  // OpenBLAS or BLIS behind them; none: no BLAS with threads of its own
 };
 
 // One setting for all: the library's loops get `threads` (0: all cores), ATen and the BLAS one, since what is
