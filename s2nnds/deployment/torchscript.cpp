@@ -2,7 +2,6 @@
 #include "s2nnds/deployment/torchscript.h"
 
 #include <torch/script.h>
-#include <torch/torch.h>
 
 #include <cstdint>
 #include <sstream>

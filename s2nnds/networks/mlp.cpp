@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/networks/mlp.h"
 
+#include <torch/nn/functional/linear.h>
+#include <torch/utils.h>
+
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {

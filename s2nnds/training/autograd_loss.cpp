@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/training/autograd_loss.h"
 
+#include <torch/autograd.h>
+
 namespace s2nnds {
 namespace {
 

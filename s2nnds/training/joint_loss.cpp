@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/training/joint_loss.h"
 
+#include <torch/autograd.h>
+
 #include <numeric>
 
 #include "s2nnds/core/check.h"

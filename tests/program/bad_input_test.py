@@ -52,6 +52,16 @@ class RefusedTraining(ProgramTest):
             file.write("\n".join(rows) + "\n")
 
 
+class ProgramAlone(ProgramTest):
+    def test_without_the_program_that_has_libtorch(self):
+        """s2nnds is not linked to LibTorch; s2nnds-torch, which lies beside it otherwise, is."""
+        alone = shutil.copy(command_line.PROGRAM, self.path("s2nnds"))
+        done = subprocess.run([alone, "train", SINE], cwd=self.folder, capture_output=True, text=True, check=False)
+        self.assert_refused((done.returncode, done.stdout, done.stderr), os.path.join(self.folder, "s2nnds-torch"))
+        done = subprocess.run([alone, "info", self.trained()], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+
+
 class ConfigTest(RefusedTraining):
     def test_no_config(self):
         self.assert_train_refused({}, "missing.toml", config=self.path("missing.toml"))

@@ -2,7 +2,9 @@
 #include "s2nnds/training/flat_adam.h"
 
 #include <gtest/gtest.h>
-#include <torch/torch.h>
+#include <torch/nn/utils/clip_grad.h>
+#include <torch/optim/adamw.h>
+#include <torch/types.h>
 
 namespace s2nnds {
 namespace {

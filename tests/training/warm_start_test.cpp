@@ -2,7 +2,7 @@
 #include "s2nnds/training/warm_start.h"
 
 #include <gtest/gtest.h>
-#include <torch/torch.h>
+#include <torch/utils.h>
 
 #include <algorithm>
 #include <cstdint>
