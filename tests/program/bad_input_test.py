@@ -376,7 +376,7 @@ class DriverTest(ProgramTest):
     """A driver of experiments/, which stands beside the program."""
 
     def drive(self, *words):
-        driver = os.path.join(os.path.dirname(command_line.PROGRAM), "cluttered_sine")
+        driver = os.path.join(os.path.dirname(command_line.PROGRAM), "../../experiments/cluttered_sine")
         done = subprocess.run(
             [driver, "--data", self.folder, "--no-figures", *words], cwd=self.folder, capture_output=True, text=True
         )
