@@ -36,9 +36,10 @@ cp /etc/resolv.conf "$root/etc/resolv.conf"
 certificates=/etc/ssl/certs/ca-certificates.crt
 [[ ! -e $certificates ]] || cp "$certificates" "$root$certificates"
 
-# The project as it is now, without what it has built.
-rm -rf "$root/s2nnds"
-mkdir "$root/s2nnds"
+# The project as it is now, without what it has built, save pip's torch in build/venv.
+mkdir -p "$root/s2nnds/build"
+find "$root/s2nnds" -mindepth 1 -maxdepth 1 ! -name build -exec rm -rf {} +
+rm -rf "$root/s2nnds/build/lanes"
 changed=$(git -c safe.directory='*' stash create)
 git -c safe.directory='*' archive "${changed:-HEAD}" | tar -x -C "$root/s2nnds"
 
