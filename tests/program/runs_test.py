@@ -193,7 +193,7 @@ class InfoTest(ProgramTest):
         self.call("verify", run, "--method", "proof")
         table = self.call("info", run, "--all")[1].split("  proof ")[1].splitlines()
         self.assertEqual(len({len(line) for line in table[1:7]}), 1, "\n".join(table))  # columns align
-        self.assertIn("goal_is_safe", table[7])
+        self.assertIn("goal_is_equilibrium", table[7])
 
     def test_version(self):
         code, out, err = self.call("--version")
