@@ -16,20 +16,23 @@
 
 #include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/file_digest.h"
+#include "s2nnds/core/printable.h"
 
 namespace s2nnds {
 namespace {
 
 static_assert(sizeof(hid_t) == sizeof(std::int64_t));
 
+// When a process ends that could not close a damaged file, HDF5 would complain of it on the standard error.
+// Nothing is lost without that clean-up: files are written by commit(). It has to be called off before anything
+// else of HDF5 is called, so at the start of the program.
+[[maybe_unused]] const herr_t without_clean_up = H5dont_atexit();
+
 // Keeps HDF5 from printing its error stack in the current scope: the errors become exceptions.
 class Quiet {
  public:
   Quiet() {
-    // When a process ends that could not close a damaged file, HDF5 would complain of it on the standard
-    // error. Nothing is lost without that clean-up: files are written by commit().
-    static const herr_t without_clean_up = H5dont_atexit();
-    static_cast<void>(without_clean_up);
     H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }
@@ -71,8 +74,7 @@ std::string reason() {
     return 0;
   };
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take, &text);
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text.empty() ? "HDF5 gave no reason" : text;
+  return text.empty() ? "HDF5 gave no reason" : printable(text);
 }
 
 // Files in memory are told apart by their names, also from those of other threads.
@@ -284,7 +286,8 @@ void Hdf5Writer::commit() {
     fail("{}: cannot write it: {}", path_, reason());
   }
   H5Fclose(std::exchange(file_, -1));
-  write_atomic_file(path_, bytes, fmt::format("{} bytes", bytes.size()));
+  const std::string whole = with_digest(std::move(bytes));
+  write_atomic_file(path_, whole, fmt::format("{} bytes", whole.size()));
 }
 
 // ---- Reading
@@ -402,6 +405,7 @@ Hdf5Reader::Hdf5Reader(const std::string& path) : path_(path) {
   std::ifstream in(path, std::ios::binary);
   check(in.is_open(), "{}: cannot read it: {}", path, std::strerror(errno));
   std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  bytes = without_digest(std::move(bytes), path);
   file_size_ = bytes.size();
   check(file_size_ > 0, "{}: expected an HDF5 file, found an empty file", path);
   const Handle access = in_memory();

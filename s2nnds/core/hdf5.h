@@ -43,7 +43,7 @@ class Hdf5Value {
 };
 
 // Writes an HDF5 file whole or not at all. The file is built in memory; commit() writes it as
-// write_atomic_file does. The same calls give the same bytes. Items are named by slash paths ("/data/train");
+// write_atomic_file does, with its digest (file_digest.h). The same calls give the same bytes. Items are named by slash paths ("/data/train");
 // groups on the way are made. Every failure throws Error naming the file and the item.
 class Hdf5Writer {
  public:
@@ -75,7 +75,8 @@ class Hdf5Writer {
 // it is being read.
 class Hdf5Reader {
  public:
-  // Throws Error when the file is missing, not HDF5 or truncated.
+  // Throws Error when the file is missing, not HDF5, truncated, or not the bytes that Hdf5Writer wrote (files of
+  // others carry no digest, so that damage to them shows less surely).
   explicit Hdf5Reader(const std::string& path);
   ~Hdf5Reader();
   Hdf5Reader(const Hdf5Reader&) = delete;

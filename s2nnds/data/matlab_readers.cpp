@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/data/recording.h"
 
@@ -88,14 +89,17 @@ class MatlabFile {
   }
 
  private:
-  static std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
+  static std::string first_line(const std::string& text) {
+    return printable(text.substr(0, text.find('\n')));
+  }
 
   std::string listing() {
     std::size_t count = 0;
     const auto names = Mat_GetDir(file_.get(), &count);
     if (names == nullptr || count == 0) return "no variables (an empty or truncated file, or no MATLAB file)";
     std::string list = "the variable(s)";
-    for (std::size_t i = 0; i < count; ++i) list += fmt::format("{} '{}'", i == 0 ? "" : ",", names[i]);
+    for (std::size_t i = 0; i < count; ++i)
+      list += fmt::format("{} '{}'", i == 0 ? "" : ",", printable(names[i]));
     return list;
   }
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
 
 namespace s2nnds {
 namespace {
@@ -43,7 +44,7 @@ class Parser {
   [[noreturn]] void reject(fmt::format_string<Args...> message, Args&&... args) const {
     std::string excerpt = text_.size() <= 100 ? text_ : text_.substr(0, 97) + "...";
     for (char& c : excerpt) c = is_one_of(c, kBlanks) ? ' ' : c;
-    fail("expression \"{}\": {}", excerpt, fmt::format(message, std::forward<Args>(args)...));
+    fail("expression \"{}\": {}", printable(excerpt), fmt::format(message, std::forward<Args>(args)...));
   }
 
   [[noreturn]] void unexpected() {

@@ -115,6 +115,8 @@ TEST_F(MatlabReaders, DsOptWithAndWithoutVelocitiesAndTimeStep) {
 TEST_F(MatlabReaders, DsOptDefectsAreNamed) {
   const std::string lasa = write({cells("demos", {matrix(nullptr, time_)})});
   expect_error([&] { read_ds_opt(lasa); }, "found the variable(s) 'demos'; expected a ds-opt file");
+  const std::string odd = write({matrix("two\nlines\001", time_)});
+  expect_error([&] { read_ds_opt(odd); }, "found the variable(s) 'two?lines?'; expected a ds-opt file");
   const std::string backwards =
       write({cells("data", {matrix(nullptr, position_)}), matrix("dt", Points{{-1}})});
   expect_error([&] { read_ds_opt(backwards); },

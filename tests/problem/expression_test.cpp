@@ -75,6 +75,15 @@ TEST(Expression, RootsOfSquaresWorkAtZero) {
   EXPECT_NEAR(at_cusp.upper, std::cbrt(1e-4 / 36) - 0.15, 1e-12);
 }
 
+TEST(Expression, MistakesAreToldOnOneLine) {
+  try {
+    parse_expression("x +\x01\x7f\n y", 2);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("expression \"x +??  y\": ")) << error.what();
+  }
+}
+
 TEST(Expression, MistakesAreNamed) {
   EXPECT_NE(message("2x").find("unexpected 'x'"), std::string::npos) << message("2x");
   EXPECT_NE(message("x + ").find("does not parse"), std::string::npos);
