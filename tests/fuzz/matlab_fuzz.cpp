@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A MATLAB file, by both readers.
+#include "s2nnds/data/readers.h"
+#include "tests/fuzz/one_line.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string path = s2nnds::fuzz::file_of(data, size, ".mat");
+  s2nnds::fuzz::expect_one_line([&] { s2nnds::read_lasa(path); });
+  s2nnds::fuzz::expect_one_line([&] { s2nnds::read_ds_opt(path); });
+  return 0;
+}
