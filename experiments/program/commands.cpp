@@ -102,13 +102,6 @@ TrainingStart start_from_run(const TrainArguments& arguments, const std::string&
   return start;
 }
 
-void verify_and_evaluate(const PreparedRun& setup, RunRecord& record) {
-  const VerificationOptions& options = setup.config.verification;
-  for (const Method method : {Method::sampled, Method::conformal, Method::proof})
-    if (method <= options.method) s2nnds::verify(setup, record, method, options, proof_printer());
-  s2nnds::evaluate(setup, record);
-}
-
 }  // namespace
 
 int train(const TrainArguments& arguments, const CommonArguments& common) {
@@ -125,7 +118,8 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
     spdlog::warn("{} demonstration samples within {} of the unsafe set were left out of the fit",
                  summary.left_out_samples, start.setup.config.training.obstacle_margin);
   }
-  verify_and_evaluate(start.setup, start.record);
+  verify_as_configured(start.setup, start.record, proof_printer());
+  s2nnds::evaluate(start.setup, start.record);
   save_run(start.path, start.record);
   report(start.record, start.path, common);
   return exit_code(start.setup.config.verification.method, start.setup, start.record);

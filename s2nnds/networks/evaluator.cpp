@@ -22,12 +22,12 @@ FusedNetwork<T> pack(const NetworkWeights& stack) {
 }
 
 // x itself, or a copy in single precision.
-template <typename T>
-decltype(auto) in_precision(const Points& x) {
+template <typename T, typename Matrix>
+decltype(auto) in_precision(const Matrix& x) {
   if constexpr (std::is_same_v<T, double>) {
     return (x);
   } else {
-    return Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>(x.cast<T>());
+    return Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>(x.template cast<T>());
   }
 }
 
@@ -45,6 +45,11 @@ BasicEvaluator<T>::BasicEvaluator(const NetworkWeights& stack)
 
 template <typename T>
 Points BasicEvaluator<T>::value(const Points& x) const {
+  return value(Eigen::Map<const Points>(x.data(), x.rows(), x.cols()));
+}
+
+template <typename T>
+Points BasicEvaluator<T>::value(const Eigen::Map<const Points>& x) const {
   check(x.cols() == input_dimension(), "network: found points of dimension {}, expected {}", x.cols(),
         input_dimension());
   const auto& at = in_precision<T>(x);

@@ -20,6 +20,8 @@ class BasicEvaluator {
 
   // As NetworkWeights::value; throws Error on a wrong shape.
   Points value(const Points& x) const;
+  // The same of points that lie in memory of somebody else's, without a copy of them.
+  Points value(const Eigen::Map<const Points>& x) const;
   // As NetworkWeights::value_and_derivative; throws Error on a wrong shape.
   void value_and_derivative(const Points& x, const Points& direction, Points& value,
                             Points& derivative) const;

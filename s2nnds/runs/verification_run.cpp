@@ -82,4 +82,10 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
   seconds_of(method, record.timing) = watch.seconds();
 }
 
+void verify_as_configured(const PreparedRun& setup, RunRecord& record, const ProofProgress& progress) {
+  const VerificationOptions& options = setup.config.verification;
+  for (const Method method : {Method::sampled, Method::conformal, Method::proof})
+    if (method <= options.method) verify(setup, record, method, options, progress);
+}
+
 }  // namespace s2nnds

@@ -11,4 +11,8 @@ namespace s2nnds {
 void verify(const PreparedRun& setup, RunRecord& record, Method method, const VerificationOptions& options,
             const ProofProgress& progress = nullptr);
 
+// verify() by the methods up to the configured one, from the weakest on: what ends a training.
+void verify_as_configured(const PreparedRun& setup, RunRecord& record,
+                          const ProofProgress& progress = nullptr);
+
 }  // namespace s2nnds
