@@ -4,9 +4,10 @@
     from s2nnds import Run
     run = Run("sine.h5")
     run.name, run.guarantee               # "Sine", "invariant"
-    run.f(x), run.V(x), run.B(x)          # x [N, n] or [n], normalised and goal-centred
+    run.f(x), run.V(x), run.B(x)          # x [N, n] or [n], normalised and goal-centred: a NumPy array or torch tensor
     run.V.gradient(x), run.f.jacobian(x)  # [N, n], [N, m, n]
     run.f.torch()                         # the same as a torch.nn.Module
+    run.policy()                          # the policy as a torch.nn.Module, in the data's unit
     run.history["mse"]                    # [rounds]
     run.data.demonstrations               # as read: in the data's unit and frame, time in s
     run.data.normalized                   # the same, normalised: what training saw
@@ -18,10 +19,16 @@ position_scale, velocity / velocity_scale, (time - first time) * velocity_scale 
 """
 
 import copy
+import sys
 from dataclasses import dataclass, field, replace
 
 import h5py
 import numpy as np
+
+try:
+    from ._native import Evaluator
+except ImportError:  # not compiled: NumPy evaluates the networks
+    Evaluator = None
 
 SCHEMA_VERSION = 2
 
@@ -59,6 +66,7 @@ class Network:
     layers: list
     head: str = "plain"
     quadratic: float = 0.0
+    _evaluator: object = field(default=None, init=False, repr=False, compare=False)  # compiled, made when first needed
 
     @property
     def input_dimension(self):
@@ -93,8 +101,26 @@ class Network:
         return self._stack(np.zeros((1, self.input_dimension)), False)[0]
 
     def __call__(self, x):
-        """[N, m] for points [N, n]; [N] where m = 1. A single point [n] gives [m] or a number."""
+        """[N, m] for points [N, n]; [N] where m = 1. A single point [n] gives [m] or a number.
+
+        A torch tensor gives a tensor. Double precision, C order, on the processor: then x is read where it lies and
+        nothing is copied. Derivatives are not followed (see torch()).
+        """
+        torch = sys.modules.get("torch")
+        if torch is not None and isinstance(x, torch.Tensor):
+            return torch.as_tensor(self(x.detach().numpy(force=True)))
         points, single = self._points(x)
+        y = self._value(points)
+        if self.output_dimension == 1:
+            y = y[:, 0]
+        return y[0] if single else y
+
+    def _value(self, points):
+        """[N, m] of points [N, n]."""
+        if Evaluator is not None:
+            if self._evaluator is None:
+                self._evaluator = Evaluator(self.layers, self.head, self.quadratic)
+            return self._evaluator.value(np.ascontiguousarray(points))
         y, _ = self._stack(points, False)
         if self.head != "plain":
             y = y - self._at_zero()
@@ -102,9 +128,7 @@ class Network:
             y = np.sum(y * y, axis=1, keepdims=True) + self.quadratic * np.sum(
                 points**2, axis=1, keepdims=True
             )
-        if self.output_dimension == 1:
-            y = y[:, 0]
-        return y[0] if single else y
+        return y
 
     def jacobian(self, x):
         """dy/dx: [N, m, n] for points [N, n]; [m, n] for a single point."""
@@ -176,7 +200,9 @@ class Rollout:
 
 
 @dataclass
-class Problem:
+class StoredProblem:
+    """What a run file says of its sets."""
+
     workspace_lower: np.ndarray  # [n]
     workspace_upper: np.ndarray  # [n]
     unsafe: str = ""  # descriptions of the sets
@@ -334,6 +360,12 @@ class Run:
     def guarantee(self):
         return self.certificate["guarantee"]
 
+    def policy(self):
+        """The policy as a torch.nn.Module (s2nnds.policy.Policy): positions in, velocities out, in the data's unit."""
+        from .policy import Policy  # only who asks for it needs torch
+
+        return Policy(self)
+
     def in_data_unit(self):
         """A copy with workspace, demonstrations, rollouts, grid and open boxes in the data's unit and frame, times in s.
 
@@ -380,7 +412,7 @@ class Run:
         self._read_data(file["data"])
         n = self.dimension
         problem = file["problem"]
-        self.problem = Problem(
+        self.problem = StoredProblem(
             _array(problem, "workspace_lower", (n,)),
             _array(problem, "workspace_upper", (n,)),
             **{

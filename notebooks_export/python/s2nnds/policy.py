@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A run's policy as a torch.nn.Module. Needs torch; Run.policy() makes one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import torch
+
+if TYPE_CHECKING:
+    from .run import Run
+
+
+class Policy(torch.nn.Module):
+    """Velocities of positions, both in the data's unit, goal at the origin. What an exported TorchScript module answers.
+
+    policy(x)                                             [N, n] -> [N, n]
+    policy.safe(x), policy.barrier(x), policy.lyapunov(x) [N]
+    policy.guarantee, policy.weight_hash, policy.position_scale, policy.velocity_scale
+
+    Computes in double and answers in the precision of x. Its parameters are copies: training them further ends what the
+    certificate says.
+    """
+
+    def __init__(self, run: Run) -> None:
+        super().__init__()
+        self.f, self.V, self.B = run.f.torch(), run.V.torch(), run.B.torch()
+        self.guarantee: str = run.guarantee
+        self.weight_hash: str = run.certificate.get("weight_hash", "")
+        self.dimension: int = run.dimension
+        self.position_scale: float = run.data.position_scale
+        self.velocity_scale: float = run.data.velocity_scale
+        self.register_buffer("workspace_lower", self.position_scale * torch.tensor(run.problem.workspace_lower))
+        self.register_buffer("workspace_upper", self.position_scale * torch.tensor(run.problem.workspace_upper))
+
+    def _normalised(self, x: torch.Tensor) -> torch.Tensor:
+        return x.to(self.workspace_lower.dtype) / self.position_scale
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        return (self.velocity_scale * self.f(self._normalised(x))).to(x.dtype)
+
+    def lyapunov(self, x: torch.Tensor) -> torch.Tensor:
+        return self.V(self._normalised(x)).to(x.dtype)
+
+    def barrier(self, x: torch.Tensor) -> torch.Tensor:
+        return self.B(self._normalised(x)).to(x.dtype)
+
+    def safe(self, x: torch.Tensor) -> torch.Tensor:
+        """[N] whether x lies in the safe set: B <= 0, within the workspace."""
+        inside = (x >= self.workspace_lower.to(x.dtype)) & (x <= self.workspace_upper.to(x.dtype))
+        return (self.barrier(x) <= 0) & inside.all(1)
