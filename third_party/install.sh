@@ -38,6 +38,9 @@ build python3-numpy module:numpy
 build python3-h5py module:h5py
 build python3-matplotlib module:matplotlib
 test hdf5-tools command:h5dump
+test pybind11-dev header:pybind11/pybind11.h
+test python3-dev command:python3-config
+test python3-pytest module:pytest
 test libgtest-dev header:gtest/gtest.h
 test libbenchmark-dev header:benchmark/benchmark.h
 test libmpfr-dev header:mpfr.h
@@ -49,7 +52,7 @@ notebook jupyter-nbconvert command:jupyter-nbconvert
 notebook python3-ipykernel module:ipykernel
 "
 declare -A pip_name=([python3-numpy]=numpy [python3-h5py]=h5py [python3-matplotlib]=matplotlib [python3-scipy]=scipy
-  [python3-sklearn]=scikit-learn [python3-onnx]=onnx)
+  [python3-sklearn]=scikit-learn [python3-onnx]=onnx [python3-pytest]=pytest)
 venv=${S2NNDS_VENV:-build/venv}
 prefixes=${CMAKE_PREFIX_PATH:-}
 prefixes=${prefixes//[:;]/ }
