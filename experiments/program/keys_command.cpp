@@ -45,6 +45,9 @@ class KeyCollector final : public FieldVisitor {
   void field(std::string_view name, std::vector<std::string>& value) override {
     add(name, fmt::format("[{}]", fmt::join(value, ", ")), "list of texts");
   }
+  void field(std::string_view name, std::vector<std::vector<double>>& value, Range range) override {
+    add(name, fmt::format("{}", value), "list of lists, each " + range.describe());
+  }
 
   const std::vector<Key>& keys() const { return keys_; }
 

@@ -177,6 +177,8 @@ Hdf5Value::Hdf5Value(const std::vector<std::int64_t>& value)
     : Hdf5Value(Kind::integers, {static_cast<Eigen::Index>(value.size())}, value.data(), value.size()) {}
 Hdf5Value::Hdf5Value(const std::vector<std::string>& value)
     : Hdf5Value(Kind::texts, {static_cast<Eigen::Index>(value.size())}, value.data(), value.size()) {}
+Hdf5Value::Hdf5Value(const std::vector<std::uint8_t>& value)
+    : Hdf5Value(Kind::bytes, {static_cast<Eigen::Index>(value.size())}, value.data(), value.size()) {}
 
 // A value as HDF5 takes it; `where` names what it is written to.
 struct Hdf5Writer::Stored {
@@ -197,6 +199,9 @@ struct Hdf5Writer::Stored {
     } else if (value.kind_ == Hdf5Value::Kind::integers) {
       file_type = H5T_STD_I64LE;
       memory_type = H5T_NATIVE_INT64;
+    } else if (value.kind_ == Hdf5Value::Kind::bytes) {
+      file_type = H5T_STD_U8LE;
+      memory_type = H5T_NATIVE_UINT8;
     } else {
       file_type = memory_type = text;
       const auto* first = static_cast<const std::string*>(value.values_);
@@ -332,6 +337,10 @@ class Hdf5Reader::Source {
   void get(std::vector<double>& value) const { value = numbers(1); }
   void get(std::vector<std::int64_t>& value) const { value = integers(1); }
   void get(std::vector<std::string>& value) const { value = texts(1); }
+  void get(std::vector<std::uint8_t>& value) const {
+    expect(H5T_INTEGER, 1, "bytes");
+    value = read<std::uint8_t>(H5T_NATIVE_UINT8);
+  }
 
  private:
   static constexpr int kAnyRank = -1;
@@ -482,6 +491,7 @@ template std::string Hdf5Reader::read(const std::string&) const;
 template std::vector<double> Hdf5Reader::read(const std::string&) const;
 template std::vector<std::int64_t> Hdf5Reader::read(const std::string&) const;
 template std::vector<std::string> Hdf5Reader::read(const std::string&) const;
+template std::vector<std::uint8_t> Hdf5Reader::read(const std::string&) const;
 template double Hdf5Reader::attribute(const std::string&, const std::string&) const;
 template std::int64_t Hdf5Reader::attribute(const std::string&, const std::string&) const;
 template std::string Hdf5Reader::attribute(const std::string&, const std::string&) const;

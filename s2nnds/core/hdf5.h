@@ -30,10 +30,11 @@ class Hdf5Value {
   Hdf5Value(const std::vector<double>& value);        // NOLINT: [size]
   Hdf5Value(const std::vector<std::int64_t>& value);  // NOLINT: integers [size]
   Hdf5Value(const std::vector<std::string>& value);   // NOLINT: texts [size]
+  Hdf5Value(const std::vector<std::uint8_t>& value);  // NOLINT: bytes [size]
 
  private:
   friend class Hdf5Writer;  // its Stored
-  enum class Kind { numbers, integers, texts };
+  enum class Kind { numbers, integers, texts, bytes };
   Hdf5Value(Kind kind, std::vector<Eigen::Index> shape, const void* values, std::size_t count);
 
   Kind kind_;
@@ -112,6 +113,10 @@ class Hdf5Reader {
   // A dataset of texts [N].
   std::vector<std::string> read_texts(const std::string& item) const {
     return read<std::vector<std::string>>(item);
+  }
+  // A dataset of bytes [N].
+  std::vector<std::uint8_t> read_bytes(const std::string& item) const {
+    return read<std::vector<std::uint8_t>>(item);
   }
   // A dataset of one number.
   double read_number(const std::string& item) const { return read<double>(item); }

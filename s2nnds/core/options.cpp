@@ -129,7 +129,7 @@ template <typename T, typename Bound, typename Where>
 void check_value(const std::string& name, const std::vector<T>& values, const Bound& bound,
                  const Where& where) {
   for (std::size_t i = 0; i < values.size(); ++i) {
-    check_bound(where(i), fmt::format("{}[{}]", name, i), values[i], bound);
+    check_value(fmt::format("{}[{}]", name, i), values[i], bound, [&](std::size_t) { return where(i); });
   }
 }
 
@@ -157,6 +157,9 @@ template <>
 constexpr std::string_view expected_type<std::vector<std::int64_t>> = "a list of integers";
 template <>
 constexpr std::string_view expected_type<std::vector<std::string>> = "a list of strings";
+template <>
+constexpr std::string_view expected_type<std::vector<std::vector<double>>> =
+    "a list of lists of numbers such as [[0, 0], [1, 0]]";
 
 class TomlReader final : public UniformVisitor<TomlReader, NamedVisitor> {
  public:
@@ -230,6 +233,14 @@ class TomlReader final : public UniformVisitor<TomlReader, NamedVisitor> {
   static bool convert(const toml::node& node, std::string& value) { return assign(node.as_string(), value); }
   static bool convert(const toml::node& node, double& value) {
     return assign(node.as_floating_point(), value) || assign(node.as_integer(), value);
+  }
+  static bool convert(const toml::node& node, std::vector<double>& values) {
+    const toml::array* array = node.as_array();
+    values.assign(array != nullptr ? array->size() : 0, 0.0);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!convert((*array)[i], values[i])) return false;
+    }
+    return array != nullptr;
   }
   template <typename Node, typename T>
   static bool assign(const Node* node, T& value) {
@@ -322,6 +333,12 @@ class TomlTextVisitor : public TextVisitor {
   }
   void field(std::string_view name, std::vector<double>& value, Range range) override {
     for (const double number : value) check_number(name, number);
+    TextVisitor::field(name, value, range);
+  }
+  void field(std::string_view name, std::vector<std::vector<double>>& value, Range range) override {
+    for (const std::vector<double>& row : value) {
+      for (const double number : row) check_number(name, number);
+    }
     TextVisitor::field(name, value, range);
   }
 

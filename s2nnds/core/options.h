@@ -52,6 +52,8 @@ class FieldVisitor {
   // Integers, each in `range`.
   virtual void field(std::string_view name, std::vector<std::int64_t>& value, Range range) = 0;
   virtual void field(std::string_view name, std::vector<std::string>& value) = 0;  // any texts
+  // Lists of numbers, such as points, each number in `range`.
+  virtual void field(std::string_view name, std::vector<std::vector<double>>& value, Range range) = 0;
 
   // Options within options: their fields have keys "name.key".
   template <typename T>
@@ -126,6 +128,10 @@ class UniformVisitor : public Base {
   // Without a bound.
   void field(std::string_view name, std::vector<std::string>& value) override {
     self().each(name, value, NoBound{});
+  }
+  // With the range of every number.
+  void field(std::string_view name, std::vector<std::vector<double>>& value, Range range) override {
+    self().each(name, value, range);
   }
 
  private:

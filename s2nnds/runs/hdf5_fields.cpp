@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "s2nnds/core/check.h"
+
 namespace s2nnds {
 namespace {
 
@@ -42,6 +44,8 @@ class FieldWriter final : public UniformVisitor<FieldWriter, GroupVisitor> {
   void each(std::string_view name, T& value, const Bound&) {
     if constexpr (std::is_same_v<T, bool>) {
       file_.write_attribute(group(), std::string(name), std::int64_t{value});
+    } else if constexpr (std::is_same_v<T, std::vector<std::vector<double>>>) {
+      fail("{}/{}: lists of lists are not stored as an attribute", group(), name);
     } else {
       file_.write_attribute(group(), std::string(name), value);
     }
@@ -65,6 +69,8 @@ class FieldReader final : public UniformVisitor<FieldReader, GroupVisitor> {
   void each(std::string_view name, T& value, const Bound&) {
     if constexpr (std::is_same_v<T, bool>) {
       value = file_.attribute<std::int64_t>(group(), std::string(name)) != 0;
+    } else if constexpr (std::is_same_v<T, std::vector<std::vector<double>>>) {
+      fail("{}/{}: lists of lists are not stored as an attribute", group(), name);
     } else {
       value = file_.attribute<T>(group(), std::string(name));
     }
