@@ -104,7 +104,7 @@ std::string verdict_cell(const json& condition) {
 // What ABC-DS's polynomials come to on the data and the sets of a run.
 json judge_published(const std::string& motion, const Run& ours, const std::string& data) {
   const PublishedAbcDs published = read_published_abc_ds(motion, data);
-  const PreparedRun setup = prepare(ours.record(), data);
+  const PreparedRun setup = prepare(ours.record());
   json theirs = measure(published, setup);
   theirs["motion"] = motion;
   theirs["f"] = terms_of(published.f);

@@ -221,7 +221,7 @@ void draw_together(const std::string& name, const std::string& kind, const std::
 }
 
 Report report_runs(const std::vector<Run>& runs, const Arguments& arguments) {
-  return {{{"runs", table_of_runs(runs)}, {"robustness", table_of_robustness(runs, arguments.data)}},
+  return {{{"runs", table_of_runs(runs)}, {"robustness", table_of_robustness(runs)}},
           [=] { draw_all(runs, arguments); }};
 }
 

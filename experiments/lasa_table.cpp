@@ -112,7 +112,7 @@ Report report(const std::vector<Run>& runs, const Arguments& arguments) {
   with_all.push_back({"all", runs, nullptr});
   return {{{"guarantees", make_table("motion", with_all, kGuarantees)},
            {"accuracy", make_table("motion", motions, kAccuracy)},
-           {"robustness", table_of_robustness(runs, arguments.data)}},
+           {"robustness", table_of_robustness(runs)}},
           [=] {
             draw_all(runs, arguments);
             draw_together("fig2", "panels", runs, arguments);

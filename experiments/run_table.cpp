@@ -154,7 +154,7 @@ Table table_of_runs(const std::vector<Run>& runs) {
        {"margin", of(if_guaranteed("/disturbance_margin"), "{:.2g}")}});
 }
 
-Table table_of_robustness(const std::vector<Run>& runs, const std::string& data) {
+Table table_of_robustness(const std::vector<Run>& runs) {
   Table table{{"run", "starts", "motions", "arrive", "without certificate", "in {B <= 0}", "of these arrive",
                "safe", "without", "closest to Xu", "without", "time to goal", "without"},
               {}};
@@ -165,7 +165,7 @@ Table table_of_robustness(const std::vector<Run>& runs, const std::string& data)
     });
     if (free == runs.end()) continue;
     const RunRecord record = certified.record();
-    const PreparedRun setup = prepare(record, data);
+    const PreparedRun setup = prepare(record);
     std::optional<StateFunction> B;
     if (certified.guaranteed()) B = record.networks.B;
     const auto ours = measure_robustness(record.networks.f, B, setup.problem, setup.demonstrations, 0);

@@ -84,6 +84,6 @@ Table table_of_runs(const std::vector<Run>& runs);
 // Motions from a grid, from perturbed starts and with a push half way (evaluation/robustness.h), under the
 // certified f and under that of the same configuration and seed without conditions; of seed runs that have
 // such a counterpart.
-Table table_of_robustness(const std::vector<Run>& runs, const std::string& data);
+Table table_of_robustness(const std::vector<Run>& runs);
 
 }  // namespace s2nnds::experiment

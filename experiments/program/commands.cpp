@@ -57,6 +57,15 @@ ordered_json report_demonstrations(const PreparedRun& setup, const NetworkWeight
   return rows;
 }
 
+// The stored run made concrete, from what it keeps itself; says which files have changed since.
+PreparedRun prepare_stored(const RunRecord& record, const std::string& data) {
+  PreparedRun setup = prepare(record);
+  for (const std::string& name : setup.files.changed_in(data)) {
+    spdlog::warn("{} in {} is not what this run was made with; the run uses its own copy", name, data);
+  }
+  return setup;
+}
+
 // Whether the run has at least the guarantee that this method can give.
 int exit_code(Method method, const PreparedRun& setup, const RunRecord& record) {
   const Guarantee wanted = method == Method::sampled        ? Guarantee::sampled
@@ -98,7 +107,7 @@ TrainingStart start_from_run(const TrainArguments& arguments, const std::string&
   start.record = load_run(arguments.resume);
   check(start.record.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from",
         arguments.resume);
-  start.setup = prepare(start.record, data);
+  start.setup = prepare_stored(start.record, data);
   return start;
 }
 
@@ -129,7 +138,7 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   set_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
-  const PreparedRun setup = prepare(record, data_directory(common.data));
+  const PreparedRun setup = prepare_stored(record, data_directory(common.data));
   VerificationOptions options = setup.config.verification;
   if (arguments.samples) options.sampled.samples = options.conformal.samples = *arguments.samples;
   if (arguments.epsilon) options.conformal.epsilon = *arguments.epsilon;
@@ -151,7 +160,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
   set_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
-  const PreparedRun setup = prepare(record, data_directory(common.data));
+  const PreparedRun setup = prepare_stored(record, data_directory(common.data));
   s2nnds::evaluate(setup, record);
   save_run(arguments.run, record);
   fmt::print("{}", first_screen(record, arguments.run));

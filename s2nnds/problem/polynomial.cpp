@@ -2,7 +2,6 @@
 #include "s2nnds/problem/polynomial.h"
 
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -142,11 +141,9 @@ Polynomial Polynomial::from_text(const std::string& text, Eigen::Index dimension
   return expanded.back();
 }
 
-Polynomial Polynomial::from_json_file(const std::string& path, Eigen::Index dimension) {
-  std::ifstream file(path);
-  check(file.good(), "polynomial: cannot read {}", path);
+Polynomial Polynomial::from_json(const std::string& text, const std::string& path, Eigen::Index dimension) {
   try {
-    const nlohmann::json content = nlohmann::json::parse(file);
+    const nlohmann::json content = nlohmann::json::parse(text);
     const auto coefficients = content.at("coefs").get<std::vector<double>>();
     const auto monomials = content.at("monomials").get<std::vector<std::string>>();
     check(coefficients.size() == monomials.size() && !monomials.empty(),

@@ -23,8 +23,9 @@ class Polynomial {
   // strings in xi1, xi2; products are expanded in doubles. Throws Error when it does not parse or is not a
   // polynomial.
   static Polynomial from_text(const std::string& text, Eigen::Index dimension);
-  // From a published file {"coefs": [...], "monomials": ["1", "xi(1)*xi(2)^2", ...]}. Throws Error with path.
-  static Polynomial from_json_file(const std::string& path, Eigen::Index dimension);
+  // From the text of a published file {"coefs": [...], "monomials": ["1", "xi(1)*xi(2)^2", ...]}. Throws Error
+  // with the file's name, `path`.
+  static Polynomial from_json(const std::string& text, const std::string& path, Eigen::Index dimension);
 
   Eigen::Index dimension() const { return exponents_.cols(); }  // n
   Eigen::Index terms() const { return coefficients_.size(); }   // 0 for the zero polynomial

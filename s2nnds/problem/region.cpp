@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/problem/region.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -29,6 +30,7 @@ class Empty final : public Region {
  public:
   explicit Empty(Eigen::Index dimension) : dimension_(dimension) {}
   Eigen::Index dimension() const override { return dimension_; }
+  bool is_lipschitz() const override { return true; }
   std::string describe() const override { return "none"; }
 
  protected:
@@ -48,6 +50,7 @@ class Ball final : public Region {
     check(radius > 0.0 && radius < kInfinity, "ball: radius {}, expected > 0", radius);
   }
   Eigen::Index dimension() const override { return center_.size(); }
+  bool is_lipschitz() const override { return true; }
   std::string describe() const override {
     return fmt::format("ball centre {} radius {}", text(center_), radius_);
   }
@@ -75,6 +78,7 @@ class Ellipsoid final : public Region {
           "ellipsoid: semi_axes {}, expected {} numbers > 0", text(semi_axes), center.size());
   }
   Eigen::Index dimension() const override { return center_.size(); }
+  bool is_lipschitz() const override { return true; }
   std::string describe() const override {
     return fmt::format("ellipsoid centre {} semi-axes {}", text(center_), text(semi_axes_));
   }
@@ -101,6 +105,7 @@ class BoxRegion final : public Region {
           text(box.lower), text(box.upper));
   }
   Eigen::Index dimension() const override { return box_.dimension(); }
+  bool is_lipschitz() const override { return true; }
   std::string describe() const override {
     return fmt::format("box lower {} upper {}", text(box_.lower), text(box_.upper));
   }
@@ -137,6 +142,7 @@ class Halfspace final : public Region {
     check(std::isfinite(offset), "halfspace: offset {}, expected a finite number", offset);
   }
   Eigen::Index dimension() const override { return normal_.size(); }
+  bool is_lipschitz() const override { return true; }
   std::string describe() const override {
     return fmt::format("halfspace {} . x <= {}", text(normal_), offset_);
   }
@@ -164,6 +170,7 @@ class ExpressionRegion final : public Region {
   ExpressionRegion(const std::string& level, Eigen::Index dimension)
       : text_(level), tree_(parse_expression(level, dimension)) {}
   Eigen::Index dimension() const override { return tree_.dimension(); }
+  bool is_lipschitz() const override { return false; }
   std::string describe() const override { return fmt::format("{{{} <= 0}}", text_); }
 
  protected:
@@ -179,6 +186,7 @@ class PolynomialRegion final : public Region {
  public:
   PolynomialRegion(const Polynomial& level, const std::string& name) : level_(level), name_(name) {}
   Eigen::Index dimension() const override { return level_.dimension(); }
+  bool is_lipschitz() const override { return false; }
   std::string describe() const override { return fmt::format("{{{} <= 0}}", name_); }
 
  protected:
@@ -202,6 +210,10 @@ class Combination final : public Region {
     }
   }
   Eigen::Index dimension() const override { return regions_.front()->dimension(); }
+  bool is_lipschitz() const override {
+    return std::all_of(regions_.begin(), regions_.end(),
+                       [](const RegionPtr& region) { return region->is_lipschitz(); });
+  }
   std::string describe() const override {
     std::vector<std::string> parts;
     for (const RegionPtr& region : regions_) parts.push_back(region->describe());
@@ -242,6 +254,7 @@ class Complement final : public Region {
     check(region_ != nullptr, "complement: no region");
   }
   Eigen::Index dimension() const override { return region_->dimension(); }
+  bool is_lipschitz() const override { return region_->is_lipschitz(); }
   std::string describe() const override { return fmt::format("complement of [{}]", region_->describe()); }
 
  protected:

@@ -10,13 +10,14 @@
 #include "s2nnds/problem/box.h"
 #include "s2nnds/problem/interval.h"
 #include "s2nnds/problem/polynomial.h"
+#include "s2nnds/problem/region_files.h"
 
 namespace s2nnds {
 
 // How a box lies to a region.
 enum class Location { inside, outside, unknown };
 
-// A closed set {x in R^n : level(x) <= 0}, in the problem's normalised coordinates.
+// A closed set {x in R^n : level(x) <= 0}, in the coordinates in which it is written.
 class Region {
  public:
   virtual ~Region() = default;
@@ -32,6 +33,9 @@ class Region {
   Location classify(const Box& box) const;
   // Holds the exact level of every point of the box [n]; undefined (NaN) when that cannot be said.
   Interval enclosure(const Box& box) const;
+  // Whether the exact level is 1-Lipschitz: |level(x) - level(y)| <= |x - y|. It is then at most the distance
+  // from the set outside of it, and minus it at most the distance from the complement inside.
+  virtual bool is_lipschitz() const = 0;
   // One line for reports and certificates: "ball centre (-0.4, 0.35) radius 0.1".
   virtual std::string describe() const = 0;
 
@@ -43,30 +47,59 @@ class Region {
 // A region as problems hold it: shared and constant.
 using RegionPtr = std::shared_ptr<const Region>;
 
-// A region as a configuration writes it: type and the keys of that type, in normalised coordinates.
+// A hole of a polygon, as a configuration writes it.
+struct PolygonHole {
+  std::vector<std::vector<double>> vertices = {};  // its corners [x, y], three or more
+
+  void visit(FieldVisitor& v);  // names the key
+};
+
+// A region as a configuration writes it: type and the keys of that type, coordinates as the problem's are.
 struct RegionOptions {
-  // "none" (the empty set), ball, box, ellipsoid, polynomial, halfspace, expression, union, intersection,
-  // complement; for an initial set also auto and ball_auto (safety_problem.h)
+  // "none" (the empty set), ball, box, ellipsoid, polygon (2-D), oriented_box, capsule, cylinder (3-D), polytope
+  // (convex), mesh (3-D), point_cloud, occupancy_image (2-D), polynomial, halfspace, expression, union,
+  // intersection, complement; for an initial set also auto and ball_auto (safety_problem.h)
   std::string type = "none";
-  std::vector<double> center = {};     // ball, ellipsoid: [n]
-  double radius = 0.0;                 // ball, ball_auto: > 0
+  std::vector<double> center = {};  // ball, ellipsoid, oriented_box: [n]; mesh, point_cloud: where the file's
+                                    // origin lies, [n] or none
+  double radius = 0.0;  // ball, ball_auto, capsule, cylinder; point_cloud: around every point; > 0
   std::vector<double> semi_axes = {};  // ellipsoid: [n], > 0, sum ((x_i - center_i) / semi_axes_i)^2 <= 1
   std::vector<double> lower = {};      // box: the least coordinates, [n], -infinity allowed
   std::vector<double> upper = {};      // box: the greatest coordinates, [n], infinity allowed
-  std::vector<double> normal = {};     // halfspace: [n], not 0, normal . x <= offset
-  double offset = 0.0;                 // halfspace: the bound of normal . x
+  // polygon: its corners [[x, y], ...], no edge may cross another; polytope: the points whose convex hull it is
+  // (2-D or 3-D), instead of `normals`
+  std::vector<std::vector<double>> vertices = {};
+  std::vector<PolygonHole> holes = {};  // polygon: rings within it that are not part of it
+  std::vector<double> half_sizes = {};  // oriented_box: half of each side, [n], > 0
+  double angle = 0.0;                   // oriented_box, point_cloud in 2-D: radians, counter-clockwise
+  // oriented_box, mesh, point_cloud in 3-D: a quaternion (x, y, z, w) or the nine numbers of a rotation matrix,
+  // row by row; none: not turned
+  std::vector<double> rotation = {};
+  std::vector<double> start = {};                 // capsule, cylinder: one end of the axis, [n]
+  std::vector<double> end = {};                   // capsule, cylinder: the other end, [n]
+  std::vector<std::vector<double>> normals = {};  // polytope: one [n] a half-space, normals . x <= offsets
+  std::vector<double> offsets = {};               // polytope: one number a half-space
+  std::vector<double> normal = {};                // halfspace: [n], not 0, normal . x <= offset
+  double offset = 0.0;                            // halfspace: the bound of normal . x
   std::string level = {};  // expression, polynomial: closed form in x, y, z or x1..xn, <= 0 inside
-  std::string file = {};   // polynomial: published coefficients (JSON: coefs, monomials) instead of `level`
-  double sign = 1.0;       // polynomial: inside where sign * p <= 0; 1 or -1
+  // Below the data folder. polynomial: published coefficients (JSON: coefs, monomials) instead of `level`; mesh:
+  // closed, .stl or .obj; point_cloud: .csv, .txt, .xyz, .ply, .pcd, .npy; occupancy_image: .yaml of a ROS map
+  std::string file = {};
+  double scale = 1.0;  // mesh, point_cloud: of the file's numbers, > 0: 0.001 for mm in a problem in m
+  std::string unknown = "occupied";    // occupancy_image: what unknown cells and all beyond the map count as
+  double sign = 1.0;                   // polynomial: inside where sign * p <= 0; 1 or -1
   std::vector<RegionOptions> of = {};  // union, intersection: one region or more; complement: one
+  double inflate = 0.0;  // >= 0: all points within this distance count as well, such as a tool's radius
 
   void visit(FieldVisitor& v);  // names only the keys that `type` has
 };
 
 // Builds the region in n = `dimension`. Throws Error saying which key of which region is wrong; `where` names
-// the region in it. `data_dir` is where `file` is looked up.
-RegionPtr make_region(const RegionOptions& options, Eigen::Index dimension, const std::string& data_dir = "",
-                      const std::string& where = "region");
+// the region in it. `files` has what `file` names.
+RegionPtr make_region(const RegionOptions& options, Eigen::Index dimension, RegionFiles& files,
+                      const std::string& where);
+// The same where no file must be kept.
+RegionPtr make_region(const RegionOptions& options, Eigen::Index dimension);
 
 RegionPtr empty_region(Eigen::Index dimension);  // level +infinity
 // |x - center| <= radius; level: the signed distance. Throws Error unless center [n] is finite and radius is

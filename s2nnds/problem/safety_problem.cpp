@@ -42,14 +42,14 @@ void check_demonstrations_inside(const Box& workspace, const std::vector<Demonst
   }
 }
 
-RegionPtr make_initial(const ProblemOptions& options, const Points& starts, const std::string& data_dir) {
+RegionPtr make_initial(const ProblemOptions& options, const Points& starts, RegionFiles& files) {
   const std::string& type = options.initial.type;
   if (type == "ball_auto") {
     check(options.initial.radius > 0.0, "problem.initial: radius is {}, expected > 0",
           options.initial.radius);
     return ball(starts.colwise().mean().transpose(), options.initial.radius);
   }
-  if (type != "auto") return make_region(options.initial, starts.cols(), data_dir, "problem.initial");
+  if (type != "auto") return make_region(options.initial, starts.cols(), files, "problem.initial");
   const Box clip = Box::cube(starts.cols(), 1.0);
   const Box grown{starts.colwise().minCoeff().transpose().array() - options.padding,
                   starts.colwise().maxCoeff().transpose().array() + options.padding};
@@ -122,22 +122,27 @@ void ProblemOptions::visit(FieldVisitor& v) {
 }
 
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
-                           const std::string& data_dir) {
+                           RegionFiles& files) {
   validate(options);
   check(!demonstrations.empty(), "problem: no demonstrations, expected at least one");
   const Eigen::Index dimension = demonstrations.front().dimension();
   SafetyProblem problem;
   problem.workspace = Box::cube(dimension, options.workspace);
   check_demonstrations_inside(problem.workspace, demonstrations);
-  problem.unsafe = make_region(options.unsafe, dimension, data_dir, "problem.unsafe");
+  problem.unsafe = make_region(options.unsafe, dimension, files, "problem.unsafe");
   check_unsafe(problem, options.unsafe.type);
   if (options.containment > 0.0) {
     problem.workspace_margin =
         complement(box_region(Box::cube(dimension, options.containment * options.workspace)));
   }
-  problem.initial = make_initial(options, first_points(demonstrations), data_dir);
+  problem.initial = make_initial(options, first_points(demonstrations), files);
   check_initial(problem, options.containment);
   return problem;
+}
+
+SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations) {
+  RegionFiles files;
+  return make_problem(options, demonstrations, files);
 }
 
 }  // namespace s2nnds

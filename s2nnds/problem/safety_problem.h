@@ -41,8 +41,11 @@ struct ProblemOptions {
 // - the obstacle covers the goal, or is not "none" but has no points in the workspace,
 // - X0 has no volume, or a point of it was found that is outside of containment * X or in the obstacle.
 // The last three search with pavings and samples: an error names a point, but its absence proves nothing.
-// Demonstrations may pass through the obstacle. `demonstrations` are normalised.
+// Demonstrations may pass through the obstacle. `demonstrations` are normalised. `files` has what regions name
+// as `file`.
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
-                           const std::string& data_dir = "");
+                           RegionFiles& files);
+// The same where no region needs a file that must be kept.
+SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations);
 
 }  // namespace s2nnds

@@ -7,11 +7,14 @@ namespace s2nnds {
 
 namespace {
 
-PreparedRun prepare(Config config, RunData data, const std::string& data_dir) {
-  PreparedRun setup{
-      .config = std::move(config), .data = std::move(data), .demonstrations = {}, .problem = {}};
+PreparedRun prepare(Config config, RunData data, RegionFiles files) {
+  PreparedRun setup{.config = std::move(config),
+                    .data = std::move(data),
+                    .demonstrations = {},
+                    .problem = {},
+                    .files = std::move(files)};
   setup.demonstrations = setup.data.normalized();
-  setup.problem = make_problem(setup.config.problem, setup.demonstrations, data_dir);
+  setup.problem = make_problem(setup.config.problem, setup.demonstrations, setup.files);
   return setup;
 }
 
@@ -24,11 +27,12 @@ PreparedRun prepare(const Config& config, const std::string& data_dir) {
   data.frame = find_frame(as_read, config.data.normalization);
   data.split = split_demonstrations(as_read.demonstrations.size(), config.data.test, config.data.validation);
   data.demonstrations = std::move(as_read.demonstrations);
-  return prepare(config, std::move(data), data_dir);
+  return prepare(config, std::move(data), RegionFiles(data_dir));
 }
 
-PreparedRun prepare(const RunRecord& record, const std::string& data_dir) {
-  return prepare(parse_config(record.config.resolved, "the run's configuration"), record.data, data_dir);
+PreparedRun prepare(const RunRecord& record) {
+  return prepare(parse_config(record.config.resolved, "the run's configuration"), record.data,
+                 RegionFiles(record.problem.files));
 }
 
 RunRecord new_record(const PreparedRun& setup, const std::string& text) {
@@ -42,7 +46,7 @@ RunRecord new_record(const PreparedRun& setup, const std::string& text) {
   record.data = setup.data;
   record.problem = {setup.problem.unsafe->describe(), setup.problem.initial->describe(),
                     setup.config.problem.containment, setup.config.training.level_band,
-                    setup.problem.workspace};
+                    setup.problem.workspace,          setup.files.all()};
   return record;
 }
 

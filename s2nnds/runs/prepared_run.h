@@ -14,6 +14,7 @@ struct PreparedRun {
   RunData data;                               // demonstrations as read, with frame and split
   std::vector<Demonstration> demonstrations;  // data.normalized()
   SafetyProblem problem;                      // X, X0 and Xu, normalised
+  RegionFiles files;                          // that the regions of `problem` were made from
 
   // Normalised demonstrations for training.
   std::vector<Demonstration> train() const { return select(demonstrations, data.split.train); }
@@ -26,8 +27,8 @@ struct PreparedRun {
 // Reads the data that the configuration names, from files below `data_dir`, and builds the sets. Throws Error
 // for whatever is wrong with the data or the sets.
 PreparedRun prepare(const Config& config, const std::string& data_dir);
-// The same for a stored run, from its own configuration and demonstrations.
-PreparedRun prepare(const RunRecord& record, const std::string& data_dir);
+// The same for a stored run, from its own configuration, demonstrations and files.
+PreparedRun prepare(const RunRecord& record);
 
 // A record with all that is known before training. `text` is the configuration as the user gave it.
 RunRecord new_record(const PreparedRun& setup, const std::string& text);

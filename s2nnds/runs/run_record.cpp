@@ -11,8 +11,8 @@
 #include <set>
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/runs/hdf5_fields.h"
 #include "s2nnds/core/hdf5.h"
+#include "s2nnds/runs/hdf5_fields.h"
 
 namespace s2nnds {
 namespace {
@@ -146,6 +146,12 @@ void write(Hdf5Writer& file, const RunProblem& problem) {
   file.write_attribute("/problem", "level_band", problem.level_band);
   file.write("/problem/workspace_lower", problem.workspace.lower);
   file.write("/problem/workspace_upper", problem.workspace.upper);
+  std::size_t count = 0;
+  for (const auto& [name, bytes] : problem.files) {
+    const std::string item = numbered("/problem/files", count++);
+    file.write(item, std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+    file.write_attribute(item, "name", name);  // a path, which HDF5 would take for groups
+  }
 }
 
 RunProblem read_problem(const Hdf5Reader& file) {
@@ -156,6 +162,12 @@ RunProblem read_problem(const Hdf5Reader& file) {
   problem.level_band = file.number_attribute("/problem", "level_band");
   problem.workspace = {.lower = file.read_vector("/problem/workspace_lower"),
                        .upper = file.read_vector("/problem/workspace_upper")};
+  if (!file.exists("/problem/files")) return problem;
+  for (const std::string& child : file.children("/problem/files")) {
+    const std::string item = "/problem/files/" + child;
+    const std::vector<std::uint8_t> bytes = file.read_bytes(item);
+    problem.files[file.text_attribute(item, "name")] = std::string(bytes.begin(), bytes.end());
+  }
   return problem;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -45,6 +46,8 @@ struct RunProblem {
   double containment = 0.0;
   double level_band = 0.0;  // eps_B >= 0: Bdot < 0 is asked for where |B| <= level_band
   Box workspace;            // X
+  // The files that the sets are made from, by the names in the configuration, and their bytes.
+  std::map<std::string, std::string> files;
 };
 
 // Stands for a figure that was not measured: NaN.

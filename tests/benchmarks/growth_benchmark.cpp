@@ -121,8 +121,7 @@ void proof_of_run(benchmark::State& state) {
   const char* path = std::getenv("S2NNDS_RUN");
   if (path == nullptr) return state.SkipWithError("set S2NNDS_RUN to a run file");
   const RunRecord record = load_run(path);
-  const char* data = std::getenv("S2NNDS_DATA");
-  const PreparedRun setup = prepare(record, data ? data : "");
+  const PreparedRun setup = prepare(record);
   ProofResult result;
   for (auto _ : state) {
     result =

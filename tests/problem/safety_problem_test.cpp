@@ -174,7 +174,8 @@ TEST(SafetyProblem, TheShippedConfigurationsAreSound) {
       const auto split = split_demonstrations(set.demonstrations.size(), setting.data.test);
       const auto all = find_frame(set, setting.data.normalization).normalize(set.demonstrations);
       for (const auto& demonstrations : {all, select(all, split.train)}) {
-        EXPECT_NO_THROW(make_problem(setting.problem, demonstrations, shared.string())) << entry.path();
+        RegionFiles files(shared.string());
+        EXPECT_NO_THROW(make_problem(setting.problem, demonstrations, files)) << entry.path();
       }
       // Those that come without data of their own keep clear of their obstacle.
       if (setting.data.source == "handwriting") {
