@@ -145,21 +145,20 @@ void train(const ConfigText& config, const std::string& path, const std::string&
   train_to(path, setup, s2nnds::new_record(setup, text), on_round);
 }
 
-void resume(const std::string& from, const std::string& path, const std::string& data, int threads,
-            const py::object& on_round) {
+void resume(const std::string& from, const std::string& path, int threads, const py::object& on_round) {
   s2nnds::set_threads(threads);
   RunRecord record = s2nnds::load_run(from);
   s2nnds::check(record.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from", from);
-  const PreparedRun setup = s2nnds::prepare(record, s2nnds::data_directory(data));
+  const PreparedRun setup = s2nnds::prepare(record);
   train_to(path, setup, std::move(record), on_round);
 }
 
-void verify(const std::string& path, const std::string& method, const std::string& data, int threads,
+void verify(const std::string& path, const std::string& method, int threads,
             std::optional<std::int64_t> samples, std::optional<double> epsilon, std::optional<double> beta) {
   const py::gil_scoped_release release;
   s2nnds::set_threads(threads);
   RunRecord record = s2nnds::load_run(path);
-  const PreparedRun setup = s2nnds::prepare(record, s2nnds::data_directory(data));
+  const PreparedRun setup = s2nnds::prepare(record);
   s2nnds::VerificationOptions options = setup.config.verification;
   if (samples) options.sampled.samples = options.conformal.samples = *samples;
   if (epsilon) options.conformal.epsilon = *epsilon;
@@ -169,11 +168,11 @@ void verify(const std::string& path, const std::string& method, const std::strin
   s2nnds::save_run(path, record);
 }
 
-void evaluate(const std::string& path, const std::string& data, int threads) {
+void evaluate(const std::string& path, int threads) {
   const py::gil_scoped_release release;
   s2nnds::set_threads(threads);
   RunRecord record = s2nnds::load_run(path);
-  s2nnds::evaluate(s2nnds::prepare(record, s2nnds::data_directory(data)), record);
+  s2nnds::evaluate(s2nnds::prepare(record), record);
   s2nnds::save_run(path, record);
 }
 
@@ -249,11 +248,10 @@ PYBIND11_MODULE(_native, module) {
       .def("value", &evaluate_network, py::arg("x").noconvert());
   module.def("train", &train, py::arg("config"), py::arg("path"), py::arg("data"), py::arg("threads"),
              py::arg("on_round"));
-  module.def("resume", &resume, py::arg("run"), py::arg("path"), py::arg("data"), py::arg("threads"),
-             py::arg("on_round"));
-  module.def("verify", &verify, py::arg("run"), py::arg("method"), py::arg("data"), py::arg("threads"),
-             py::arg("samples"), py::arg("epsilon"), py::arg("beta"));
-  module.def("evaluate", &evaluate, py::arg("run"), py::arg("data"), py::arg("threads"));
+  module.def("resume", &resume, py::arg("run"), py::arg("path"), py::arg("threads"), py::arg("on_round"));
+  module.def("verify", &verify, py::arg("run"), py::arg("method"), py::arg("threads"), py::arg("samples"),
+             py::arg("epsilon"), py::arg("beta"));
+  module.def("evaluate", &evaluate, py::arg("run"), py::arg("threads"));
   module.def("export_policy", &export_policy, py::arg("run"), py::arg("format"), py::arg("precision"),
              py::arg("path"));
   module.def("export_endings", &export_endings);

@@ -9,11 +9,14 @@
 namespace s2nnds {
 namespace {
 
+constexpr Eigen::Index kMostListed = 16;  // corners in describe()
+
 std::string text(const Points& corners) {
   std::vector<std::string> parts;
-  for (Eigen::Index k = 0; k < corners.rows(); ++k) {
+  for (Eigen::Index k = 0; k < std::min(corners.rows(), kMostListed); ++k) {
     parts.push_back(fmt::format("({}, {})", corners(k, 0), corners(k, 1)));
   }
+  if (corners.rows() > kMostListed) parts.push_back(fmt::format("and {} more", corners.rows() - kMostListed));
   return fmt::format("{}", fmt::join(parts, " "));
 }
 

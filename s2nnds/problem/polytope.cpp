@@ -12,6 +12,7 @@ namespace s2nnds {
 namespace {
 
 constexpr Eigen::Index kMostVertices = 200;  // every three of them are looked at
+constexpr Eigen::Index kMostListed = 16;     // vertices in describe()
 constexpr double kFlat = 1e-9;               // of the hull's size: points so near to a plane count as on it
 
 std::string text(const Eigen::Ref<const Eigen::RowVectorXd>& x) {
@@ -138,8 +139,10 @@ RegionPtr convex_hull(const Points& vertices) {
     halfspaces.push_back(halfspace(normal.transpose(), greatest));
   }
   if (halfspaces.size() < 4) flat();
-  std::string described = "polytope with the vertices";
-  for (Eigen::Index k = 0; k < vertices.rows(); ++k) described += " " + text(vertices.row(k));
+  std::string described = fmt::format("polytope of {} faces with the vertices", halfspaces.size());
+  for (Eigen::Index k = 0; k < std::min(vertices.rows(), kMostListed); ++k)
+    described += " " + text(vertices.row(k));
+  if (vertices.rows() > kMostListed) described += fmt::format(" and {} more", vertices.rows() - kMostListed);
   return std::make_shared<Polytope>(std::move(halfspaces), described);
 }
 

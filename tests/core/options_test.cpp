@@ -65,6 +65,7 @@ struct Settings {
   std::vector<double> weights = {1.0, 2.0};
   std::vector<std::int64_t> widths = {64, 64};
   std::vector<std::string> files;
+  std::vector<std::vector<double>> corners = {{0.0, 1.0}};
   Training training;
   Inner inner;
   std::vector<Inner> inners;
@@ -78,6 +79,7 @@ struct Settings {
     v.field("weights", weights, at_least(0.0));
     v.field("widths", widths, above(0.0));
     v.field("files", files);
+    v.field("corners", corners, at_least(-2.0));
     v.group("inner", inner);
     v.list("inners", inners);
   }
@@ -93,6 +95,7 @@ Settings unusual_settings() {
   s.weights = {0.1, 1.0 / 3.0, 1e300, std::numeric_limits<double>::denorm_min(), 5.0, 1e22};
   s.widths = {std::numeric_limits<std::int64_t>::max(), 1};
   s.files = {"a b.csv", "", "c=d#e"};
+  s.corners = {{1.0 / 3.0, -2.0}, {}, {5.0}};
   s.training = {.rounds = 7, .rate = std::nextafter(0.1, 1.0), .decay = 0.0};
   s.inner.depth = 8;
   s.inner.shape.type = "union";
@@ -122,6 +125,19 @@ std::string error_of(const std::function<void()>& action) {
     return error.what();
   }
   return "no error";
+}
+
+TEST(Options, ListsOfListsAreReadAndTheirFaultsNamed) {
+  Settings settings;
+  read_toml("corners = [[1, 2.5], []]", "my.toml", settings);
+  EXPECT_EQ(settings.corners, (std::vector<std::vector<double>>{{1.0, 2.5}, {}}));
+  EXPECT_EQ(
+      read_error("corners = 1"),
+      "my.toml:1: corners: expected a list of lists of numbers such as [[0, 0], [1, 0]], found an integer 1");
+  EXPECT_EQ(read_error("corners = [[1, 2],\n [3, true]]"),
+            "my.toml:2: corners[1]: expected a list of numbers, found a list of 2");
+  EXPECT_EQ(read_error("corners = [[1, 2], [3, -4]]"),
+            "my.toml:1: corners[1][1]: expected a number >= -2, found -4");
 }
 
 TEST(Range, HoldsAndDescribes) {

@@ -76,6 +76,7 @@ TEST(RunRecord, EverythingComesBack) {
   EXPECT_EQ(a.problem.level_band, b.problem.level_band);
   EXPECT_EQ(a.problem.workspace.lower, b.problem.workspace.lower);
   EXPECT_EQ(a.problem.workspace.upper, b.problem.workspace.upper);
+  EXPECT_EQ(a.problem.files, b.problem.files);
   EXPECT_EQ(a.history, b.history);
   expect_equal(a.networks.f, b.networks.f);
   expect_equal(a.networks.V, b.networks.V);

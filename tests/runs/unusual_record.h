@@ -46,7 +46,13 @@ inline RunRecord unusual_record() {
     r.data.demonstrations.push_back(
         {.time = c.vector(samples), .position = c.points(samples, 2), .velocity = c.points(samples, 2)});
   }
-  r.problem = {.unsafe = "ball", .initial = "box", .containment = 0.97, .level_band = 0.01, .workspace = {}};
+  r.problem = {.unsafe = "ball",
+               .initial = "box",
+               .containment = 0.97,
+               .level_band = 0.01,
+               .workspace = {},
+               .files = {}};
+  r.problem.files = {{"../maps/room 1.pgm", std::string("P5\0\xff\n", 5)}, {"/a/b.json", "{}"}};
   r.problem.workspace = {.lower = -c.vector(2), .upper = c.vector(2)};
   r.history = {
       {"round", c.vector(5)}, {"loss", c.vector(5)}, {"counterexamples_barrier_decrease", c.vector(5)}};

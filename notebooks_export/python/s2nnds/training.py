@@ -84,12 +84,12 @@ def train(
 
 
 def resume(
-    run: RunLike, *, out: Path | None = None, data: Path = "", threads: int = 0, on_round: OnRound | None = None
+    run: RunLike, *, out: Path | None = None, threads: int = 0, on_round: OnRound | None = None
 ) -> Run:
     """Goes on from the last round of an interrupted training, with the same result as an unbroken one."""
     path = _path(run) if out is None else os.fspath(out)
     with _torch_threads_kept():
-        _native.resume(_path(run), path, os.fspath(data), threads, _listener(on_round))
+        _native.resume(_path(run), path, threads, _listener(on_round))
     return Run(path)
 
 
@@ -97,7 +97,6 @@ def verify(
     run: RunLike,
     method: str = "proof",
     *,
-    data: Path = "",
     threads: int = 0,
     samples: int | None = None,
     epsilon: float | None = None,
@@ -108,14 +107,14 @@ def verify(
     samples: a region; epsilon, beta: of conformal. None: as the run's configuration says.
     """
     with _torch_threads_kept():
-        _native.verify(_path(run), method, os.fspath(data), threads, samples, epsilon, beta)
+        _native.verify(_path(run), method, threads, samples, epsilon, beta)
     return Run(_path(run))
 
 
-def evaluate(run: RunLike, *, data: Path = "", threads: int = 0) -> Run:
+def evaluate(run: RunLike, *, threads: int = 0) -> Run:
     """Measures errors and safe areas of the run's motion anew, in its file."""
     with _torch_threads_kept():
-        _native.evaluate(_path(run), os.fspath(data), threads)
+        _native.evaluate(_path(run), threads)
     return Run(_path(run))
 
 
