@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/problem/surface_region.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "s2nnds/core/check.h"
@@ -54,11 +55,12 @@ Interval SurfaceRegion::enclose(const Box& box) const {
   if (!box.is_finite()) return {-kInfinity, kInfinity};
   const Position center = box.center();
   const Interval distance = surface_.distance(center);
-  const int sign = side(center);
+  // A box that the surface does not meet lies on one side of it; of others only the Lipschitz bound holds.
+  const double gap = surface_.gap(box);
+  const int sign = gap > 0.0 ? side(center) : 0;
   if (sign == 0) return lipschitz_enclosure({-distance.upper, distance.upper}, box);
-  // The box may meet the surface: only the Lipschitz bound holds. If not, it lies on one side of it.
-  Interval level = lipschitz_enclosure(distance, box);
-  if (const double gap = surface_.gap(box); gap > level.lower && gap > 0.0) level.lower = gap;
+  const Interval around = lipschitz_enclosure(distance, box);
+  const Interval level(std::max(gap, around.lower), around.upper);
   return sign > 0 ? level : -level;
 }
 
