@@ -198,6 +198,10 @@ int plot(const PlotArguments& arguments) {
   return run_python_module("plot", "plot_run", {arguments.run, "--out", out});
 }
 
+int import_recordings(const std::vector<std::string>& words) {
+  return run_python_module("import", "import_recordings", words);
+}
+
 int info(const InfoArguments& arguments, const CommonArguments& common) {
   set_threads(common.threads);
   const RunRecord record = load_run(arguments.run);

@@ -60,6 +60,9 @@ struct PlotArguments {
 };
 int plot(const PlotArguments& arguments);
 
+// Recordings of others, through the Python module import_recordings; its words are its own.
+int import_recordings(const std::vector<std::string>& words);
+
 struct InfoArguments {
   std::string run;
   bool all = false;  // details after the first screen

@@ -100,6 +100,13 @@ int run(int argc, char** argv) {
   sub->add_option("--out", figures.out, "folder for the figures (default RUN-figures)");
   sub->callback([&] { code = plot(figures); });
 
+  // Its own options are those of the Python module that does it, which also tells its help.
+  sub = app.add_subcommand("import",
+                           "turn ROS bags, MCAP files or LeRobot data sets into demonstrations (HDF5)");
+  sub->set_help_flag("");
+  sub->prefix_command();
+  sub->callback([&app, &code] { code = import_recordings(app.get_subcommand("import")->remaining()); });
+
   SweepArguments sweeping;
   sub = command("sweep",
                 "train many runs: axes of values, on all cores or on a cluster; the same command goes on");

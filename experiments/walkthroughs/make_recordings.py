@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Synthetic recordings in the formats of three kinds of robot, for the walk-throughs of README.md in this folder.
+
+    python3 make_recordings.py arm FOLDER       # reach_0.csv ...: a 7-joint arm led by hand; joints, position [m], quaternion
+    python3 make_recordings.py mobile FOLDER    # drive_0.bag ... (ROS 1), room.pgm and room.yaml: a robot that drives past a shelf
+    python3 make_recordings.py lerobot FOLDER   # a LeRobot v3 data set: a planar arm that places a part
+
+The second needs the Python package rosbags, the third pyarrow.
+"""
+
+import argparse
+import json
+import os
+import sys
+
+import numpy as np
+
+
+def minimum_jerk(s):
+    return s**3 * (10 - 15 * s + 6 * s**2)
+
+
+def motion(start, goal, bend, seconds, rate, rng, noise=0.0, rest=0.0):
+    """Times [M] and positions [M, n] of a move that bends by the vector `bend` in its middle, with rest before and after."""
+    times = np.arange(0.0, seconds + 2 * rest, 1 / rate)
+    s = minimum_jerk(np.clip((times - rest) / seconds, 0.0, 1.0))[:, None]
+    start, goal, bend = (np.asarray(v, dtype=float) for v in (start, goal, bend))
+    position = start + s * (goal - start) + np.sin(np.pi * s) * bend
+    return times, position + noise * rng.standard_normal(position.shape)
+
+
+def arm(folder, rng):
+    for k in range(5):
+        start = [0.35, -0.32, 0.42] + rng.uniform(-0.03, 0.03, 3)
+        times, position = motion(start, [0.55, 0.25, 0.12], [0.02, 0.0, 0.16], 3.5, 50, rng, noise=2e-4, rest=0.6)
+        goal_end = position[-1]
+        joints = np.column_stack([0.3 * j + (position - goal_end) @ rng.uniform(-1, 1, 3) for j in range(7)])
+        half = 0.5 * (np.pi + 0.6 * position[:, 1])  # turned about x, hand down
+        quaternion = np.column_stack([np.sin(half), 0 * half, 0 * half, np.cos(half)])
+        quaternion[len(half) // 2 :] *= -1  # some drivers jump between q and -q
+        names = ["time", *(f"joint_{j + 1}" for j in range(7)), "x", "y", "z", "qx", "qy", "qz", "qw"]
+        table = np.column_stack([times, joints, position, quaternion])
+        np.savetxt(f"{folder}/reach_{k}.csv", table, fmt="%.5f", delimiter=",", header=",".join(names), comments="")
+
+
+def room():
+    """An occupancy image of 6 m by 4 m, 5 cm a cell, rows from the top: walls around, a shelf from the lower wall."""
+    free = np.full((80, 120), 254, dtype=np.uint8)
+    free[[0, 1, -2, -1], :] = 0
+    free[:, [0, 1, -2, -1]] = 0
+    free[44:78, 56:64] = 0  # x 2.8 to 3.2 m, y 0.1 to 1.8 m
+    return free
+
+
+def write_map(folder):
+    image = room()
+    with open(f"{folder}/room.pgm", "wb") as file:
+        file.write(b"P5\n%d %d\n255\n" % (image.shape[1], image.shape[0]) + image.tobytes())
+    with open(f"{folder}/room.yaml", "w", encoding="utf-8") as file:
+        file.write("image: room.pgm\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n")
+
+
+def mobile(folder, rng):
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    write_map(folder)
+    store = get_typestore(Stores.ROS1_NOETIC)
+    names = "PoseStamped Pose Point Quaternion".split()
+    stamped, pose, point, quaternion = (store.types[f"geometry_msgs/msg/{name}"] for name in names)
+    header, time = store.types["std_msgs/msg/Header"], store.types["builtin_interfaces/msg/Time"]
+    for k in range(5):
+        path = f"{folder}/drive_{k}.bag"
+        if os.path.exists(path):
+            os.remove(path)
+        start = [1.2, 1.0] + rng.uniform(-0.12, 0.12, 2)
+        times, position = motion(start, [4.8, 1.0], [0.0, 1.7], 9.0, 20, rng, noise=1e-3, rest=1.0)
+        heading = np.unwrap(np.arctan2(*np.gradient(position, axis=0).T[::-1]))
+        with Writer(path) as bag:
+            connection = bag.add_connection("/robot_pose", stamped.__msgtype__, typestore=store)
+            for i, (t, (x, y), angle) in enumerate(zip(times, position, heading)):
+                stamp = 1_700_000_000_000_000_000 + k * 60_000_000_000 + int(t * 1e9)
+                turned = quaternion(0.0, 0.0, np.sin(angle / 2), np.cos(angle / 2))
+                message = stamped(
+                    header(i, time(stamp // 10**9, stamp % 10**9), "map"), pose(point(x, y, 0.0), turned)
+                )
+                late = stamp + int(rng.uniform(1e6, 8e6))  # messages are recorded a little later than they are made
+                bag.write(connection, late, store.serialize_ros1(message, stamped.__msgtype__))
+
+
+def lerobot(folder, rng):
+    import pyarrow
+    import pyarrow.parquet
+
+    fps, rows = 30, {"observation.state": [], "timestamp": [], "frame_index": [], "episode_index": [], "index": [], "task_index": []}
+    for k in range(6):
+        start = [0.12, 0.38] + rng.uniform(-0.02, 0.02, 2)
+        times, position = motion(start, [0.42, 0.16], [0.09, 0.1], 2.5, fps, rng, noise=1e-4, rest=0.5)
+        grip = (times > 2.9).astype(float)
+        for i, (t, p, g) in enumerate(zip(times, position, grip)):
+            values = ([*p.tolist(), float(g)], t, i, k, len(rows["index"]), 0)
+            for name, value in zip(rows, values):
+                rows[name].append(value)
+    types = {"observation.state": pyarrow.list_(pyarrow.float32(), 3), "timestamp": pyarrow.float32()}
+    table = pyarrow.table({name: pyarrow.array(values, types.get(name, pyarrow.int64())) for name, values in rows.items()})
+    os.makedirs(f"{folder}/data/chunk-000", exist_ok=True)
+    os.makedirs(f"{folder}/meta", exist_ok=True)
+    pyarrow.parquet.write_table(table, f"{folder}/data/chunk-000/file-000.parquet")
+    scalar = {name: {"dtype": "int64", "shape": [1], "names": None} for name in ("frame_index", "episode_index", "index", "task_index")}
+    info = {
+        "codebase_version": "v3.0",
+        "robot_type": "planar_arm",
+        "total_episodes": 6,
+        "total_frames": len(rows["index"]),
+        "fps": fps,
+        "data_path": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
+        "features": {
+            "observation.state": {"dtype": "float32", "shape": [3], "names": ["x", "y", "gripper"]},
+            "timestamp": {"dtype": "float32", "shape": [1], "names": None},
+            **scalar,
+        },
+    }
+    with open(f"{folder}/meta/info.json", "w", encoding="utf-8") as file:
+        json.dump(info, file, indent=2)
+
+
+def main():
+    kinds = {"arm": arm, "mobile": mobile, "lerobot": lerobot}
+    parser = argparse.ArgumentParser(description="Synthetic recordings for the walk-throughs.")
+    parser.add_argument("kind", choices=kinds)
+    parser.add_argument("folder")
+    options = parser.parse_args()
+    os.makedirs(options.folder, exist_ok=True)
+    try:
+        kinds[options.kind](options.folder, np.random.default_rng(7))
+    except ModuleNotFoundError as error:
+        print(f"make_recordings: {error}; pip install {error.name.split('.')[0]}", file=sys.stderr)
+        return 77
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
