@@ -1,38 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/column_names.h"
+#include "s2nnds/data/delimited_text.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/data/recording.h"
 
 namespace s2nnds {
 namespace {
-
-constexpr std::string_view kExpectedHeader = "time,x,y[,z][,dx,dy[,dz]] or time,x1,...,xn[,dx1,...,dxn]";
-
-std::string_view trim(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-// The cells of one line, without the blanks around them.
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t comma = line.find(','); comma != std::string_view::npos; comma = line.find(',')) {
-    cells.push_back(trim(line.substr(0, comma)));
-    line.remove_prefix(comma + 1);
-  }
-  cells.push_back(trim(line));
-  return cells;
-}
 
 std::string read_text(const std::string& path) {
   check_readable(path);
@@ -42,118 +27,237 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
-// A text line by line, keeping count. Takes "\n" and "\r\n" as ends of line.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_(text) {}
-
-  // The next line that is not blank; false at the end.
-  bool next(std::string_view& line) {
-    while (!rest_.empty()) {
-      const auto end = rest_.find('\n');
-      line = trim(rest_.substr(0, end));
-      rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-      ++number_;
-      if (!line.empty()) return true;
-    }
-    return false;
-  }
-  int number() const { return number_; }
-
- private:
-  std::string_view rest_;
-  int number_ = 0;
-};
-
-// A cell as a message can show it: one short line whatever the file holds.
-std::string shown(std::string_view cell) {
-  std::string text(cell.substr(0, 40));
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7F) c = '?';
-  }
-  return cell.size() > 40 ? text + "..." : text;
+bool is_missing(std::string_view cell) {
+  return cell.empty() || cell == "NA" || cell == "null" || cell == "None" || cell == "NULL";
 }
 
-std::string axis_name(std::size_t axis, bool numbered) {
-  return numbered ? fmt::format("x{}", axis + 1) : std::string(1, "xyz"[axis]);
-}
-
-struct Header {
-  std::size_t dimension = 0;
-  bool velocities = false;
-
-  std::size_t columns() const { return 1 + dimension * (velocities ? 2 : 1); }
-};
-
-Header read_header(std::string_view line, const std::string& where) {
-  const std::vector<std::string_view> names = cells_of(line);
-  check(names[0] == "time", "{}: found first column '{}'; expected the header {}", where, shown(names[0]),
-        kExpectedHeader);
-  const bool numbered = names.size() > 1 && names[1] == "x1";
-  Header header;
-  while (1 + header.dimension < names.size() && (numbered || header.dimension < 3) &&
-         names[1 + header.dimension] == axis_name(header.dimension, numbered)) {
-    ++header.dimension;
+// A number with a decimal point in every locale, where commas part no cells also with a decimal comma.
+// Missing values, nan and inf are numbers that are not finite.
+double read_number(std::string_view cell, bool decimal_comma, const std::string& path, std::int64_t line) {
+  if (is_missing(cell)) return std::numeric_limits<double>::quiet_NaN();
+  std::string with_point;
+  std::string_view digits = cell.starts_with('+') ? cell.substr(1) : cell;
+  if (decimal_comma && std::count(digits.begin(), digits.end(), ',') == 1) {
+    with_point = digits;
+    std::replace(with_point.begin(), with_point.end(), ',', '.');
+    digits = with_point;
   }
-  header.velocities = names.size() > 1 + header.dimension;
-  for (std::size_t i = 1 + header.dimension; i < names.size(); ++i) {
-    const std::size_t axis = i - 1 - header.dimension;
-    check(axis < header.dimension && names[i] == fmt::format("d{}", axis_name(axis, numbered)),
-          "{}: found column '{}' at place {}; expected the header {}", where, shown(names[i]), i + 1,
-          kExpectedHeader);
-  }
-  check(header.dimension >= 2 && names.size() == header.columns(),
-        "{}: found {} column(s); expected the header {}", where, names.size(), kExpectedHeader);
-  return header;
-}
-
-double read_number(std::string_view cell, const std::string& where) {
-  const std::string_view digits = cell.starts_with('+') ? cell.substr(1) : cell;
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  check(error == std::errc() && end == digits.data() + digits.size() && std::isfinite(value),
-        "{}: found '{}'; expected a finite number", where, shown(cell));
+  check(error == std::errc() && end == digits.data() + digits.size(),
+        "{}:{}: found '{}'; expected a number (data.columns picks columns)", path, line, shown(cell));
   return value;
 }
 
-Demonstration read_demonstration(const std::string& path, std::int64_t stride) {
-  const std::string text = read_text(path);
-  Lines lines(text);
-  std::string_view line;
-  check(lines.next(line), "{}:1: found an empty file; expected the header {}", path, kExpectedHeader);
-  const Header header = read_header(line, fmt::format("{}:{}", path, lines.number()));
-  std::vector<double> numbers;
-  double previous = 0;
-  while (lines.next(line)) {
-    const std::string where = fmt::format("{}:{}", path, lines.number());
-    const std::vector<std::string_view> cells = cells_of(line);
-    check(cells.size() == header.columns(), "{}: found {} values; expected {} as in the header", where,
-          cells.size(), header.columns());
-    const double time = read_number(cells[0], where);
-    check(numbers.empty() || time > previous, "{}: found time {} after {}; expected increasing times", where,
-          time, previous);
-    previous = time;
-    numbers.push_back(time);
-    for (std::size_t i = 1; i < cells.size(); ++i) numbers.push_back(read_number(cells[i], where));
+// Times, of which doubles cannot tell large integers (nanoseconds since 1970) apart.
+class TimeColumn {
+ public:
+  void push_back(std::string_view cell, double value) {
+    std::int64_t integer = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), integer);
+    exact_ = exact_ && error == std::errc() && end == cell.data() + cell.size();
+    if (exact_) integers_.push_back(integer);
+    if (!values_.empty()) largest_step_ = std::max(largest_step_, value - values_.back());
+    values_.push_back(value);
   }
-  const auto rows = static_cast<Eigen::Index>(numbers.size() / header.columns());
-  check(rows >= 2, "{}:{}: found {} sample(s) in the file; expected at least 2", path, lines.number(), rows);
-  const Eigen::Map<const Points> table(numbers.data(), rows, static_cast<Eigen::Index>(header.columns()));
-  const auto n = static_cast<Eigen::Index>(header.dimension);
-  return make_demonstration(table.col(0), table.middleCols(1, n), table.rightCols(table.cols() - 1 - n),
-                            stride, path);
-}
+  std::size_t size() const { return values_.size(); }
+
+  // Whether `next` goes on from here: its first time comes after the last one here, by no more than ten steps.
+  bool goes_on_in(const TimeColumn& next) const {
+    const double gap = next.values_.front() - values_.back();
+    const double step = std::max(largest_step_, next.largest_step_);
+    return gap > 0 && (step == 0 || gap <= 10 * step);
+  }
+  void append(const TimeColumn& next) {
+    largest_step_ = std::max({largest_step_, next.largest_step_, next.values_.front() - values_.back()});
+    values_.insert(values_.end(), next.values_.begin(), next.values_.end());
+    exact_ = exact_ && next.exact_;
+    integers_.insert(integers_.end(), next.integers_.begin(), next.integers_.end());
+  }
+
+  // Moves the times to the recording.
+  void store(Recording& recording) const {
+    constexpr std::int64_t kLargest = std::int64_t{1} << 53;
+    const auto size = static_cast<Eigen::Index>(values_.size());
+    const bool large = exact_ && std::any_of(integers_.begin(), integers_.end(),
+                                             [](std::int64_t t) { return t > kLargest; });
+    recording.time = Eigen::Map<const Vector>(values_.data(), size);
+    if (!large) return;
+    recording.time_offset = static_cast<double>(integers_.front());
+    for (Eigen::Index i = 0; i < size; ++i) {
+      // Unsigned: the difference of any two fits.
+      const auto difference = static_cast<std::uint64_t>(integers_[static_cast<std::size_t>(i)]) -
+                              static_cast<std::uint64_t>(integers_.front());
+      recording.time[i] = static_cast<double>(static_cast<std::int64_t>(difference));
+    }
+  }
+
+ private:
+  std::vector<double> values_;
+  std::vector<std::int64_t> integers_;
+  bool exact_ = true;
+  double largest_step_ = 0;
+};
+
+// The samples of one demonstration while its lines are read.
+struct Samples {
+  TimeColumn time;
+  std::vector<double> position;  // [M n]
+  std::vector<double> velocity;  // [M n] or none
+  std::vector<std::int64_t> lines;
+  bool after_blank = false;  // whether blank lines part it from the one before
+
+  bool empty() const { return lines.empty(); }
+};
+
+class CsvFile {
+ public:
+  CsvFile(const std::string& path, const TableOptions& options, const ReadingProgress& progress)
+      : path_(path),
+        options_(options),
+        text_(read_text(path)),
+        header_(read_text_header(text_, options.delimiter, path)),
+        splitter_(options.delimiter, header_.sample),
+        columns_(find_columns(
+            header_.names, header_.named, options.rate <= 0, options.columns,
+            fmt::format("{}:{}", path, std::max<std::int64_t>(1, header_.first_data_line - 1)))) {
+    read_lines(progress);
+  }
+
+  std::vector<Recording> recordings() const {
+    std::vector<Recording> made;
+    for (const Samples& part : parts_) made.push_back(recording(part));
+    return made;
+  }
+  std::string unit() const { return columns_.unit; }
+
+  std::string report() const {
+    std::string text = fmt::format("columns of {}: {}", stem(path_), describe(columns_, header_.names));
+    if (!header_.named) text += fmt::format(", no header, data from line {}", header_.first_data_line);
+    if (!splitter_.is_comma()) text += fmt::format(", delimiter: {}", splitter_.name());
+    return text;
+  }
+  std::size_t parts() const { return parts_.size(); }
+
+ private:
+  void read_lines(const ReadingProgress& progress) {
+    constexpr std::int64_t kLinesATick = 250'000;
+    Lines lines(text_);
+    std::string_view line;
+    std::vector<std::string_view> cells;
+    bool blank = false;
+    while (lines.next(line)) {
+      if (progress && lines.number() % kLinesATick == 0) progress(path_, lines.share());
+      if (lines.number() < header_.first_data_line) continue;
+      if (line.empty()) {
+        blank = !parts_.empty();
+        continue;
+      }
+      if (line.starts_with('#')) continue;
+      splitter_.split(line, cells);
+      if (cells.size() == header_.names.size() + 1 && cells.back().empty()) cells.pop_back();
+      check(cells.size() == header_.names.size(), "{}:{}: found {} values; expected {} as in {}", path_,
+            lines.number(), cells.size(), header_.names.size(),
+            header_.named ? "the header" : "the first line");
+      take(cells, lines.number(), std::exchange(blank, false));
+    }
+    join_continued_parts();
+    if (parts_.empty()) parts_.emplace_back();
+    for (const Samples& part : parts_) {
+      check(part.lines.size() >= 2, "{}:{}: found {} sample(s) in {}; expected at least 2", path_,
+            part.empty() ? lines.number() : part.lines.back(), part.lines.size(),
+            parts_.size() > 1 ? "a demonstration" : "the file");
+    }
+  }
+
+  void take(const std::vector<std::string_view>& cells, std::int64_t line, bool after_blank) {
+    const bool by_index = columns_.index && (parts_.empty() || cells[*columns_.index] != index_);
+    if (by_index) {
+      index_ = cells[*columns_.index];
+      check(std::find(indices_.begin(), indices_.end(), index_) == indices_.end(),
+            "{}:{}: found index '{}' again after another; expected the samples of a demonstration together",
+            path_, line, shown(index_));
+      indices_.push_back(index_);
+    }
+    if (parts_.empty() || by_index || (after_blank && !columns_.index)) {
+      parts_.emplace_back();
+      parts_.back().after_blank = after_blank && !by_index;
+    }
+    Samples& part = parts_.back();
+    const auto number = [&](std::size_t place) {
+      return read_number(cells[place], !splitter_.is_comma(), path_, line);
+    };
+    if (columns_.time) {
+      part.time.push_back(cells[*columns_.time], number(*columns_.time));
+    } else {
+      part.time.push_back("", static_cast<double>(part.time.size()) / options_.rate);
+    }
+    for (const std::size_t place : columns_.position) part.position.push_back(number(place));
+    for (const std::size_t place : columns_.velocity) part.velocity.push_back(number(place));
+    part.lines.push_back(line);
+  }
+
+  // Blank lines part demonstrations; but where the time runs on, they are only blank lines.
+  void join_continued_parts() {
+    if (!columns_.time) return;
+    std::vector<Samples> joined;
+    for (Samples& part : parts_) {
+      if (!joined.empty() && part.after_blank && joined.back().time.goes_on_in(part.time)) {
+        append(joined.back(), part);
+      } else {
+        joined.push_back(std::move(part));
+      }
+    }
+    parts_ = std::move(joined);
+  }
+
+  static void append(Samples& to, const Samples& from) {
+    to.time.append(from.time);
+    to.position.insert(to.position.end(), from.position.begin(), from.position.end());
+    to.velocity.insert(to.velocity.end(), from.velocity.begin(), from.velocity.end());
+    to.lines.insert(to.lines.end(), from.lines.begin(), from.lines.end());
+  }
+
+  Recording recording(const Samples& part) const {
+    const auto rows = static_cast<Eigen::Index>(part.lines.size());
+    const auto n = static_cast<Eigen::Index>(columns_.position.size());
+    Recording made{path_, columns_.time ? header_.names[*columns_.time] : "", 0, {}, {}, {}, part.lines};
+    part.time.store(made);
+    made.position = Eigen::Map<const Points>(part.position.data(), rows, n);
+    if (!columns_.velocity.empty()) made.velocity = Eigen::Map<const Points>(part.velocity.data(), rows, n);
+    return made;
+  }
+
+  const std::string& path_;
+  const TableOptions& options_;
+  std::string text_;
+  TextHeader header_;
+  CellSplitter splitter_;
+  Columns columns_;
+  std::string_view index_;
+  std::vector<std::string_view> indices_;
+  std::vector<Samples> parts_;
+};
 
 }  // namespace
 
-DemonstrationSet read_csv(const std::vector<std::string>& paths, std::int64_t stride) {
-  check(!paths.empty(), "csv: found no files; expected one for each demonstration");
-  DemonstrationSet set{stem(paths.front()), "", {}};
+RecordingSet read_csv(const std::vector<std::string>& paths, const TableOptions& options,
+                      const ReadingProgress& progress) {
+  check(!paths.empty(), "csv: found no files; expected one for each demonstration (data.files)");
+  RecordingSet set{stem(paths.front()), ""};
+  if (options.rate > 0) set.time_unit = 1;
   for (const std::string& path : paths) {
-    set.demonstrations.push_back(read_demonstration(path, stride));
-    const Eigen::Index n = set.demonstrations.back().dimension();
-    check(n == set.dimension(), "{}: found {} position columns; expected {} as in {}", path, n,
-          set.dimension(), paths.front());
+    const CsvFile file(path, options, progress);
+    for (Recording& recording : file.recordings()) {
+      const Eigen::Index n = recording.position.cols();
+      const Eigen::Index first = set.recordings.empty() ? n : set.recordings.front().position.cols();
+      check(n == first, "{}: found {} position columns; expected {} as in {}", path, n, first, paths.front());
+      set.recordings.push_back(std::move(recording));
+    }
+    if (&path == &paths.front()) set.unit = file.unit();
+    if (&path == &paths.front()) set.report.push_back(file.report());
+    if (file.parts() > 1)
+      set.report.push_back(fmt::format("{}: {} demonstrations in one file", stem(path), file.parts()));
   }
   return set;
 }

@@ -24,6 +24,8 @@ struct DemonstrationSet {
   std::string name;  // of the motion: the file's name without folder and ending, for handwriting the motion
   std::string unit;  // of length: "mm", "m", or "" when the file does not say
   std::vector<Demonstration> demonstrations;  // in the file's order
+  // What was chosen, recognised and cleaned while reading, a line each; of demonstration 3: "3: ...".
+  std::vector<std::string> report = {};
 
   Eigen::Index dimension() const;  // of its first demonstration; throws Error if there is none
 };

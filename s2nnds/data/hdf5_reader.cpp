@@ -24,31 +24,30 @@ Points read_matrix(const Hdf5Reader& file, const std::string& item) {
   return Eigen::Map<const Points>(array.values.data(), array.shape[0], rank == 2 ? array.shape[1] : 1);
 }
 
-Demonstration read_demonstration(const Hdf5Reader& file, const std::string& group, std::int64_t stride) {
+Recording read_recording(const Hdf5Reader& file, const std::string& group) {
   const Points time = read_matrix(file, group + "/time");
   check(time.rows() == 1 || time.cols() == 1, "{}: {}/time: found shape [{}, {}]; expected {}", file.path(),
         group, time.rows(), time.cols(), kExpected);
   const Points position = read_matrix(file, group + "/position");
   const bool has_velocity = file.exists(group + "/velocity");
   const Points velocity = has_velocity ? read_matrix(file, group + "/velocity") : Points();
-  return make_demonstration(Eigen::Map<const Vector>(time.data(), time.size()), position, velocity, stride,
-                            fmt::format("{}: {}", file.path(), group));
+  return {fmt::format("{}: {}", file.path(), group),          "time",   0,
+          Eigen::Map<const Vector>(time.data(), time.size()), position, velocity};
 }
 
 }  // namespace
 
-DemonstrationSet read_hdf5(const std::string& path, std::int64_t stride) {
+RecordingSet read_hdf5(const std::string& path) {
   check_readable(path);
   const Hdf5Reader file(path);
   std::vector<std::string> names = file.children("/demonstrations");
   std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {  // 2 before 10
     return std::pair(a.size(), a) < std::pair(b.size(), b);
   });
-  DemonstrationSet set{stem(path), "", {}};
+  RecordingSet set{stem(path), ""};
   for (const std::string& name : names) {
-    set.demonstrations.push_back(read_demonstration(file, "/demonstrations/" + name, stride));
+    set.recordings.push_back(read_recording(file, "/demonstrations/" + name));
   }
-  check_demonstrations(set, path);
   return set;
 }
 

@@ -142,10 +142,10 @@ double time_step(MatlabFile& file, const std::string& path) {
 
 }  // namespace
 
-DemonstrationSet read_lasa(const std::string& path, std::int64_t stride) {
+RecordingSet read_lasa(const std::string& path) {
   MatlabFile file(path, "a LASA file, demos{k} with fields pos [n, M], t [1, M] and vel [n, M]");
   matvar_t* const demos = file.read_cells("demos");
-  DemonstrationSet set{stem(path), "mm", {}};
+  RecordingSet set{.name = stem(path), .unit = "mm", .time_unit = 1};
   for (std::size_t k = 0; k < count(demos); ++k) {
     const std::string where = fmt::format("{}: demonstration {}", path, k);
     matvar_t* const demo = Mat_VarGetCell(demos, static_cast<int>(k));
@@ -154,27 +154,23 @@ DemonstrationSet read_lasa(const std::string& path, std::int64_t stride) {
       return file.matrix(is_struct ? Mat_VarGetStructFieldByName(demo, name, 0) : nullptr,
                          where + ": " + name);
     };
-    set.demonstrations.push_back(
-        make_demonstration(as_vector(field("t")), field("pos"), field("vel"), stride, where));
+    set.recordings.push_back({where, "t", 0, as_vector(field("t")), field("pos"), field("vel")});
   }
-  check_demonstrations(set, path);
   return set;
 }
 
-DemonstrationSet read_ds_opt(const std::string& path, std::int64_t stride) {
+RecordingSet read_ds_opt(const std::string& path) {
   MatlabFile file(path, "a ds-opt file, data{k} of [2n, M] doubles, positions above velocities");
   matvar_t* const data = file.read_cells("data");
   const double dt = time_step(file, path);
-  DemonstrationSet set{stem(path), "m", {}};
+  RecordingSet set{.name = stem(path), .unit = "m", .time_unit = 1};
   for (std::size_t k = 0; k < count(data); ++k) {
     const std::string where = fmt::format("{}: demonstration {}", path, k);
     const Points all = file.matrix(Mat_VarGetCell(data, static_cast<int>(k)), where);
     const Eigen::Index n = has_velocities(all.cols()) ? all.cols() / 2 : all.cols();
     const Vector time = dt * Vector::LinSpaced(all.rows(), 0.0, static_cast<double>(all.rows() - 1));
-    set.demonstrations.push_back(
-        make_demonstration(time, all.leftCols(n), all.rightCols(all.cols() - n), stride, where));
+    set.recordings.push_back({where, "dt", 0, time, all.leftCols(n), all.rightCols(all.cols() - n)});
   }
-  check_demonstrations(set, path);
   return set;
 }
 

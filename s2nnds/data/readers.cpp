@@ -6,9 +6,11 @@
 #include <filesystem>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/file_patterns.h"
 #include "s2nnds/data/handwriting.h"
 #include "s2nnds/data/recording.h"
 #include "s2nnds/data/split.h"
+#include "s2nnds/data/time_unit.h"
 
 namespace s2nnds {
 namespace {
@@ -32,29 +34,40 @@ std::string resolve(const std::string& file, const DataOptions& options, const s
   return path;
 }
 
-Demonstration thinned(const Demonstration& d, std::int64_t stride, const std::string& name) {
-  return make_demonstration(d.time, d.position, d.velocity, stride, name);
+RecordingSet as_recordings(const DemonstrationSet& set) {
+  RecordingSet made{.name = set.name, .unit = set.unit, .time_unit = 1};
+  for (const Demonstration& d : set.demonstrations)
+    made.recordings.push_back({set.name, "", 0, d.time, d.position, d.velocity});
+  return made;
 }
 
-DemonstrationSet read_source(const DataOptions& options, const std::string& data_dir) {
-  if (options.source == "handwriting") {
-    DemonstrationSet set = handwriting(options.motion);
-    for (Demonstration& d : set.demonstrations) d = thinned(d, options.stride, set.name);
-    return set;
+// Of recordings that people made themselves: units may be wrong, samples may be lost.
+bool is_raw(const std::string& source) { return source == "csv" || source == "hdf5"; }
+
+RecordingSet read_hdf5_files(const std::vector<std::string>& paths) {
+  check(!paths.empty(), "hdf5: found no files; expected at least one (data.files)");
+  RecordingSet set = read_hdf5(paths.front());
+  for (std::size_t i = 1; i < paths.size(); ++i) {
+    for (Recording& recording : read_hdf5(paths[i]).recordings)
+      set.recordings.push_back(std::move(recording));
   }
-  if (options.source == "csv") {
-    std::vector<std::string> paths;
-    for (const std::string& file : options.files) paths.push_back(resolve(file, options, data_dir));
-    DemonstrationSet set = read_csv(paths, options.stride);
-    set.unit = options.unit;
+  return set;
+}
+
+RecordingSet read_source(const DataOptions& options, const std::string& data_dir,
+                         const ReadingProgress& progress) {
+  if (options.source == "handwriting") return as_recordings(handwriting(options.motion));
+  if (is_raw(options.source)) {
+    const bool csv = options.source == "csv";
+    const std::vector<std::string> endings = csv ? std::vector<std::string>{".csv", ".txt", ".tsv", ".dat"}
+                                                 : std::vector<std::string>{".h5", ".hdf5"};
+    const std::vector<std::string> paths = find_data_files(options.files, data_dir, endings);
+    RecordingSet set = csv ? read_csv(paths, options, progress) : read_hdf5_files(paths);
+    if (!options.unit.empty()) set.unit = options.unit;
     return set;
   }
   const std::string path = resolve(options.file, options, data_dir);
-  if (options.source == "lasa") return read_lasa(path, options.stride);
-  if (options.source == "ds_opt") return read_ds_opt(path, options.stride);
-  DemonstrationSet set = read_hdf5(path, options.stride);
-  set.unit = options.unit;
-  return set;
+  return options.source == "lasa" ? read_lasa(path) : read_ds_opt(path);
 }
 
 }  // namespace
@@ -63,24 +76,41 @@ void DataOptions::visit(FieldVisitor& v) {
   v.field("source", source, {"handwriting", "lasa", "ds_opt", "csv", "hdf5"});
   if (source == "handwriting") {
     v.field("motion", motion, handwriting_motions());
-  } else if (source == "csv") {
+  } else if (is_raw(source)) {
     v.field("files", files);
   } else {
     v.field("file", file);
   }
-  if (source == "csv" || source == "hdf5") v.field("unit", unit);
+  if (source == "csv") {
+    v.group("columns", columns);
+    v.field("delimiter", delimiter, {"auto", "comma", "semicolon", "tab", "blanks"});
+    v.field("rate", rate, at_least(0));
+  }
+  if (is_raw(source)) {
+    v.field("time_unit", time_unit, {"auto", "s", "ms", "us", "ns"});
+    v.field("unit", unit);
+    v.group("limits", limits);
+  }
   v.field("stride", stride, at_least(1));
   v.field("normalization", normalization, {"max_abs", "max_norm"});
   v.field("use", use, at_least(0));
-  v.field("test", test, at_least(0));
+  v.field("test", test, at_least(kTestByShare));
   v.field("validation", validation, at_least(0));
 }
 
-DemonstrationSet read_demonstrations(const DataOptions& options, const std::string& data_dir) {
+DemonstrationSet read_demonstrations(const DataOptions& options, const std::string& data_dir,
+                                     const ReadingProgress& progress) {
   validate(options);
-  DemonstrationSet set = read_source(options, data_dir);
-  if (!options.use.empty()) set.demonstrations = select(set.demonstrations, options.use);
+  RecordingSet recordings = read_source(options, data_dir, progress);
+  if (!options.use.empty()) recordings.recordings = select(recordings.recordings, options.use);
+  bring_to_seconds(recordings, options.time_unit);
+  DemonstrationSet set = make_demonstrations(recordings, options.stride);
   check_demonstrations(set, set.name);
+  if (is_raw(options.source)) {
+    std::vector<std::string> time_columns;
+    for (const Recording& r : recordings.recordings) time_columns.push_back(r.time_column);
+    check_plausible(set, time_columns, options.limits);
+  }
   return set;
 }
 

@@ -2,52 +2,74 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "s2nnds/core/options.h"
+#include "s2nnds/data/column_names.h"
 #include "s2nnds/data/demonstration.h"
+#include "s2nnds/data/plausibility.h"
+#include "s2nnds/data/recording.h"
+#include "s2nnds/data/split.h"
 
 namespace s2nnds {
 
+// How a table of numbers is read.
+struct TableOptions {
+  ColumnOptions columns;           // which of them are what
+  std::string delimiter = "auto";  // csv: between cells: auto (as found), comma, semicolon, tab, blanks
+  double rate = 0;                 // samples per second of files without times, >= 0; 0: they have times
+};
+
 // Which demonstrations to read, and what to do with them.
-struct DataOptions {
+struct DataOptions : TableOptions {
   std::string source = "handwriting";  // handwriting (shipped, synthetic), lasa, ds_opt, csv, hdf5
-  std::string file;                    // lasa, ds_opt, hdf5: one file, relative to the data directory
+  std::string file;                    // lasa, ds_opt: one file, relative to the data directory
   std::string motion = "Sine";         // handwriting: Sine, S, C, N, Spiral, Helix
-  std::vector<std::string> files;      // csv: one file for each demonstration, relative to the data directory
-  std::int64_t stride = 1;             // >= 1: keep every stride-th sample (and the last one)
-  std::string unit;                    // csv, hdf5: unit of length in the files ("mm"), for reports
+  // csv, hdf5: files, folders or patterns (d*.csv), relative to the data directory; in a csv file, a new value
+  // of data.columns.index and blank lines begin a new demonstration.
+  std::vector<std::string> files;
+  std::string time_unit = "auto";  // of times in the files: s, ms, us, ns; auto: recognised, and reported
+  std::int64_t stride = 1;         // >= 1: keep every stride-th sample (and the last one)
+  std::string unit;                // csv, hdf5: of length in the files: m, mm, cm, rad, deg or another text
   std::string normalization = "max_abs";  // scales by the largest coordinate (max_abs) or norm (max_norm)
   std::vector<std::int64_t> use;  // demonstrations to use at all, from 0, in this order; empty: every one
-  std::vector<std::int64_t> test = {5, 6};  // held out, counted from 0 among those in use
+  // Held out, counted from 0 among those in use. [-1]: the last fifth of them, none of fewer than four.
+  std::vector<std::int64_t> test = {kTestByShare};
   // Held out as well, counted as `test`, for choosing among runs: a choice made on test demonstrations would
   // spoil their figures.
   std::vector<std::int64_t> validation;
+  PlausibilityOptions limits;  // csv, hdf5: what no arm does is refused
 
   void visit(FieldVisitor& v);  // names only the keys that `source` has
 };
 
-// Reads, checks, picks `use` and thins; positions, times and velocities stay as they are in the files.
-// Relative paths count from `data_dir`. Readers throw Error with path, what was found and what was expected.
-DemonstrationSet read_demonstrations(const DataOptions& options, const std::string& data_dir);
+// Called now and then while a large file is read: its path, and the share of it that is done.
+using ReadingProgress = std::function<void(const std::string& path, double share)>;
 
-// The readers below keep every stride-th sample and the last one; where a file has no velocities, they
-// differentiate what is left, since thinning first amplifies noise least.
+// Reads, picks `use`, brings times to seconds, checks and thins; positions and recorded velocities stay as they
+// are in the files. Relative paths count from `data_dir`. Throws Error with path, what was found and what was
+// expected.
+DemonstrationSet read_demonstrations(const DataOptions& options, const std::string& data_dir,
+                                     const ReadingProgress& progress = {});
 
 // MATLAB (5 to 7, not 7.3): cell array demos{k} of structs with pos [n, M] mm, t [1, M] s, vel [n, M] mm/s.
-DemonstrationSet read_lasa(const std::string& path, std::int64_t stride = 1);
+RecordingSet read_lasa(const std::string& path);
 
 // MATLAB (5 to 7, not 7.3): cell array data{k} of [2n, M], positions (m) above velocities (m/s); with 2 rows
 // or an odd number of rows, positions alone. Optional scalar dt, s; else 0.01 s.
-DemonstrationSet read_ds_opt(const std::string& path, std::int64_t stride = 1);
+RecordingSet read_ds_opt(const std::string& path);
 
-// Text, one file a demonstration, first line `time,x,y[,z][,dx,dy[,dz]]` or, for any n,
-// `time,x1,...,xn[,dx1,...,dxn]`. Unit: "". Numbers use the decimal point in every locale.
-DemonstrationSet read_csv(const std::vector<std::string>& paths, std::int64_t stride = 1);
+// Text: a table of numbers, a sample a line. Comments (#), a header, other columns and text in them, quotes and
+// a decimal comma (where commas do not part the cells) are understood; values that are missing become NaN.
+// Numbers use the decimal point in every locale. Several demonstrations in a file: see DataOptions::files.
+RecordingSet read_csv(const std::vector<std::string>& paths, const TableOptions& options = {},
+                      const ReadingProgress& progress = {});
 
 // HDF5: a group /demonstrations/K each (sorted by number) with time [M], position [M, n] and, optionally,
 // velocity [M, n]. Unit: "".
-DemonstrationSet read_hdf5(const std::string& path, std::int64_t stride = 1);
+RecordingSet read_hdf5(const std::string& path);
 
 // Derivative of the parabola through three neighbouring samples: central in the interior, one-sided at the
 // ends, on any increasing time grid; error O(h^2). time [M], position [M, n] -> [M, n], M >= 2 (two samples:

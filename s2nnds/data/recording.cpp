@@ -18,19 +18,70 @@ std::vector<Eigen::Index> kept_samples(Eigen::Index samples, std::int64_t stride
   return kept;
 }
 
+void check_finite(const Recording& r, Eigen::Index i) {
+  const auto check_numbers = [&](bool finite, std::string_view what) {
+    check(finite,
+          "{}: found a {} that is NaN, infinite or missing; expected finite numbers (data.cleaning.missing "
+          "drops such samples)",
+          r.place(i), what);
+  };
+  check_numbers(std::isfinite(r.time[i]), "time");
+  check_numbers(r.position.row(i).allFinite(), "position");
+  check_numbers(r.velocity.size() == 0 || r.velocity.row(i).allFinite(), "velocity");
+}
+
 }  // namespace
 
-Demonstration make_demonstration(const Vector& time, const Points& position, const Points& velocity,
-                                 std::int64_t stride, const std::string& where) {
+std::string Recording::place(Eigen::Index i) const {
+  if (lines.empty()) return fmt::format("{}: sample {}", where, i);
+  return fmt::format("{}:{}", where, lines[static_cast<std::size_t>(i)]);
+}
+
+Recording Recording::at(const std::vector<Eigen::Index>& samples) const {
+  Recording part{where, time_column, time_offset, time(samples), position(samples, Eigen::all), {}};
+  if (velocity.size() > 0) part.velocity = velocity(samples, Eigen::all);
+  if (lines.empty()) return part;
+  for (const Eigen::Index i : samples) part.lines.push_back(lines[static_cast<std::size_t>(i)]);
+  return part;
+}
+
+void check_recording(const Recording& r) {
+  const Eigen::Index n = r.position.cols();
+  check(n >= 2, "{}: found dimension {}; expected at least 2", r.where, n);
+  check(r.samples() >= 2, "{}: found {} sample(s); expected at least 2", r.where, r.samples());
+  check(r.time.size() == r.samples(), "{}: found {} times for {} positions; expected one each", r.where,
+        r.time.size(), r.samples());
+  check(r.velocity.size() == 0 || (r.velocity.rows() == r.samples() && r.velocity.cols() == n),
+        "{}: found velocities [{}, {}]; expected [{}, {}] as the positions", r.where, r.velocity.rows(),
+        r.velocity.cols(), r.samples(), n);
+  for (Eigen::Index i = 0; i < r.samples(); ++i) {
+    check_finite(r, i);
+    if (i == 0) continue;
+    check(r.time[i] > r.time[i - 1],
+          "{}: found time {} after {}; expected increasing times (data.cleaning.repeated_times merges "
+          "repeated and sorts exchanged ones)",
+          r.place(i), r.time_offset + r.time[i], r.time_offset + r.time[i - 1]);
+  }
+}
+
+Demonstration make_demonstration(const Recording& r, std::int64_t stride) {
   check(stride >= 1, "stride: found {}; expected >= 1", stride);
-  const bool recorded = velocity.size() > 0;
-  const Demonstration raw{time, position,
-                          recorded ? velocity : Points(Points::Zero(position.rows(), position.cols()))};
-  check_demonstration(raw, where);
-  const std::vector<Eigen::Index> kept = kept_samples(raw.samples(), stride);
-  Demonstration thin{raw.time(kept), raw.position(kept, Eigen::all), raw.velocity(kept, Eigen::all)};
-  if (!recorded) thin.velocity = differentiate(thin.time, thin.position);
+  check_recording(r);
+  const std::vector<Eigen::Index> kept = kept_samples(r.samples(), stride);
+  Demonstration thin{r.time(kept), r.position(kept, Eigen::all), {}};
+  if (r.velocity.size() > 0) {
+    thin.velocity = r.velocity(kept, Eigen::all);
+  } else {
+    thin.velocity = differentiate(thin.time, thin.position);
+  }
   return thin;
+}
+
+DemonstrationSet make_demonstrations(const RecordingSet& set, std::int64_t stride) {
+  DemonstrationSet made{set.name, set.unit, {}, set.report};
+  for (const Recording& recording : set.recordings)
+    made.demonstrations.push_back(make_demonstration(recording, stride));
+  return made;
 }
 
 void check_readable(const std::string& path) {

@@ -6,25 +6,37 @@
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {
-namespace {
 
-// Throws Error unless all indices are below `count` and differ from one another.
 void check_indices(std::size_t count, const std::vector<std::int64_t>& indices) {
   std::vector<bool> seen(count, false);
   for (const std::int64_t index : indices) {
     check(index >= 0 && index < static_cast<std::int64_t>(count),
-          "demonstrations: found index {}; expected 0 to {}, counted from 0", index,
-          static_cast<std::int64_t>(count) - 1);
+          "demonstrations: found index {}; expected 0 to {}, counted from 0 (data.use, data.test, "
+          "data.validation)",
+          index, static_cast<std::int64_t>(count) - 1);
     check(!seen[static_cast<std::size_t>(index)], "demonstrations: found index {} twice; expected it once",
           index);
     seen[static_cast<std::size_t>(index)] = true;
   }
 }
 
+namespace {
+
+// The last fifth of the demonstrations that do not validate.
+std::vector<std::int64_t> test_by_share(std::size_t count, const std::vector<std::int64_t>& validation) {
+  std::vector<std::int64_t> rest;
+  for (std::int64_t k = 0; k < static_cast<std::int64_t>(count); ++k)
+    if (std::find(validation.begin(), validation.end(), k) == validation.end()) rest.push_back(k);
+  const auto held_out = static_cast<std::ptrdiff_t>(rest.size() < 4 ? 0 : (rest.size() + 2) / 5);
+  return {rest.end() - held_out, rest.end()};
+}
+
 }  // namespace
 
 Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& test,
                            const std::vector<std::int64_t>& validation) {
+  if (test == std::vector<std::int64_t>{kTestByShare})
+    return split_demonstrations(count, test_by_share(count, validation), validation);
   std::vector<std::int64_t> held_out = test;
   held_out.insert(held_out.end(), validation.begin(), validation.end());
   check_indices(count, held_out);
@@ -36,15 +48,6 @@ Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& t
         "split: found {} of {} demonstrations held out; expected at least 1 left to train on",
         held_out.size(), count);
   return split;
-}
-
-std::vector<Demonstration> select(const std::vector<Demonstration>& all,
-                                  const std::vector<std::int64_t>& indices) {
-  check_indices(all.size(), indices);
-  std::vector<Demonstration> chosen;
-  chosen.reserve(indices.size());
-  for (const std::int64_t index : indices) chosen.push_back(all[static_cast<std::size_t>(index)]);
-  return chosen;
 }
 
 }  // namespace s2nnds

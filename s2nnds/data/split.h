@@ -15,14 +15,27 @@ struct Split {
   std::vector<std::int64_t> validation = {};  // held out, for choosing among runs
 };
 
-// `test` and `validation` keep their order, `train` is the rest in ascending order. Throws Error when an
+// In place of the indices to test: a share of them (see split_demonstrations).
+inline constexpr std::int64_t kTestByShare = -1;
+
+// `test` = {kTestByShare} takes the last fifth (rounded) of those that do not validate, and none of fewer than
+// four. `test` and `validation` keep their order, `train` is the rest in ascending order. Throws Error when an
 // index is out of range, repeated, or nothing is left.
 Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& test,
                            const std::vector<std::int64_t>& validation = {});
 
-// The demonstrations with these indices, in this order. Throws Error when an index is out of range or
-// repeated.
-std::vector<Demonstration> select(const std::vector<Demonstration>& all,
-                                  const std::vector<std::int64_t>& indices);
+// Throws Error unless all indices are below `count` and differ from one another.
+void check_indices(std::size_t count, const std::vector<std::int64_t>& indices);
+
+// Those of `all` (demonstrations, recordings) with these indices, in this order. Throws Error as
+// check_indices.
+template <typename T>
+std::vector<T> select(const std::vector<T>& all, const std::vector<std::int64_t>& indices) {
+  check_indices(all.size(), indices);
+  std::vector<T> chosen;
+  chosen.reserve(indices.size());
+  for (const std::int64_t index : indices) chosen.push_back(all[static_cast<std::size_t>(index)]);
+  return chosen;
+}
 
 }  // namespace s2nnds

@@ -13,6 +13,8 @@
 namespace s2nnds {
 namespace {
 
+DemonstrationSet hdf5(const std::string& path) { return make_demonstrations(read_hdf5(path)); }
+
 class Hdf5Demonstrations : public testing::Test {
  protected:
   Hdf5Demonstrations() : path_(folder_.path("made.h5")) {
@@ -43,7 +45,7 @@ class Hdf5Demonstrations : public testing::Test {
   }
   void expect_rejected(const std::string& part) {
     close();
-    expect_error([&] { read_hdf5(path_); }, part);
+    expect_error([&] { hdf5(path_); }, part);
   }
 
   TemporaryFolder folder_;
@@ -59,7 +61,7 @@ TEST_F(Hdf5Demonstrations, RoundTripInOrderOfNumber) {
   put_demonstration("2", 2 * position_);
   put("/demonstrations/2/velocity", velocity_);
   close();
-  const DemonstrationSet set = read_hdf5(path_);
+  const DemonstrationSet set = hdf5(path_);
   EXPECT_EQ(set.name, "made");
   ASSERT_EQ(set.demonstrations.size(), 2U);
   EXPECT_EQ(set.demonstrations[0].time, time_.col(0));
@@ -73,7 +75,7 @@ TEST_F(Hdf5Demonstrations, TakesOtherNumberTypesAndTimeAsAColumn) {
   put("/demonstrations/0/time", Points{{0}, {1}}, 2, H5T_STD_I32BE);
   put("/demonstrations/0/position", Points{{0.5, 1}, {1.5, 3}}, 2, H5T_NATIVE_FLOAT);
   close();
-  EXPECT_EQ(read_hdf5(path_).demonstrations[0].velocity.row(0), Eigen::RowVector2d(1, 2));
+  EXPECT_EQ(hdf5(path_).demonstrations[0].velocity.row(0), Eigen::RowVector2d(1, 2));
 }
 
 // As h5py writes it with compression="gzip": more numbers than the file has bytes for.
@@ -96,7 +98,7 @@ TEST_F(Hdf5Demonstrations, ReadsCompressedData) {
   H5Pclose(creation);
   close();
   EXPECT_LT(std::filesystem::file_size(path_), static_cast<std::size_t>(position.size()) * sizeof(double));
-  EXPECT_EQ(read_hdf5(path_).demonstrations[0].position, position);
+  EXPECT_EQ(hdf5(path_).demonstrations[0].position, position);
 }
 
 TEST_F(Hdf5Demonstrations, NoDemonstrations) {
@@ -121,7 +123,7 @@ TEST_F(Hdf5Demonstrations, WrongShapes) {
 
 TEST_F(Hdf5Demonstrations, NotANumber) {
   put_demonstration("0", Points(position_ / 0.0 * 0.0));
-  expect_rejected("/demonstrations/0: found a position that is NaN or infinite");
+  expect_rejected("/demonstrations/0: sample 0: found a position that is NaN, infinite or missing");
 }
 
 TEST_F(Hdf5Demonstrations, OneSample) {
@@ -133,11 +135,10 @@ TEST_F(Hdf5Demonstrations, OneSample) {
 TEST_F(Hdf5Demonstrations, MissingTruncatedOrAnotherFormat) {
   put_demonstration("0", position_);
   close();
-  expect_error([&] { read_hdf5(folder_.path("none.h5")); }, "none.h5: found no such file");
-  expect_error([&] { read_hdf5(folder_.write("text.h5", "time,x,y\n")); },
-               "text.h5: expected a whole HDF5 file");
+  expect_error([&] { hdf5(folder_.path("none.h5")); }, "none.h5: found no such file");
+  expect_error([&] { hdf5(folder_.write("text.h5", "time,x,y\n")); }, "text.h5: expected a whole HDF5 file");
   std::filesystem::resize_file(path_, std::filesystem::file_size(path_) / 2);
-  expect_error([&] { read_hdf5(path_); }, "made.h5: expected a whole HDF5 file");
+  expect_error([&] { hdf5(path_); }, "made.h5: expected a whole HDF5 file");
 }
 
 }  // namespace

@@ -17,6 +17,9 @@ const std::string kShared = S2NNDS_SHARED_DATA;
 #define SKIP_WITHOUT(path) \
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no file " << (path)
 
+DemonstrationSet lasa(const std::string& path) { return make_demonstrations(read_lasa(path)); }
+DemonstrationSet ds_opt(const std::string& path) { return make_demonstrations(read_ds_opt(path)); }
+
 // A MATLAB matrix [rows, columns] from its transpose (one column of MATLAB's a row of ours).
 matvar_t* matrix(const char* name, Points transposed) {
   std::size_t size[2] = {static_cast<std::size_t>(transposed.cols()),
@@ -66,7 +69,7 @@ TEST_F(MatlabReaders, LasaRoundTrip) {
       {matrix("dt", Points{{0.5}}),
        cells("demos", {structure({{"pos", position_}, {"t", time_}, {"vel", velocity_}}),
                        structure({{"vel", velocity_}, {"extra", time_}, {"t", time_}, {"pos", other}})})});
-  const DemonstrationSet set = read_lasa(path);
+  const DemonstrationSet set = lasa(path);
   EXPECT_EQ(set.name, "made");
   EXPECT_EQ(set.unit, "mm");
   ASSERT_EQ(set.demonstrations.size(), 2U);
@@ -79,7 +82,7 @@ TEST_F(MatlabReaders, LasaRoundTrip) {
 TEST_F(MatlabReaders, LasaDefectsAreNamed) {
   const auto expect_rejected = [&](const std::vector<matvar_t*>& variables, const std::string& part) {
     const std::string path = write(variables);
-    expect_error([&] { read_lasa(path); }, part);
+    expect_error([&] { lasa(path); }, part);
   };
   expect_rejected({matrix("a", time_), matrix("b", time_)},
                   "made.mat: found the variable(s) 'a', 'b'; expected a LASA");
@@ -92,13 +95,13 @@ TEST_F(MatlabReaders, LasaDefectsAreNamed) {
       "demonstration 0: found 2 times for 3 positions");
   expect_rejected(
       {cells("demos", {structure({{"pos", position_}, {"t", Points{{0}, {1}, {1}}}, {"vel", velocity_}})})},
-      "demonstration 0: found time 1 at sample 2 after 1");
+      "demonstration 0: sample 2: found time 1 after 1");
 }
 
 TEST_F(MatlabReaders, DsOptWithAndWithoutVelocitiesAndTimeStep) {
   Points both(3, 4);
   both << position_, velocity_;
-  const DemonstrationSet recorded = read_ds_opt(write({cells("data", {matrix(nullptr, both)})}));
+  const DemonstrationSet recorded = ds_opt(write({cells("data", {matrix(nullptr, both)})}));
   EXPECT_EQ(recorded.unit, "m");
   EXPECT_EQ(recorded.demonstrations[0].position, position_);
   EXPECT_EQ(recorded.demonstrations[0].velocity, velocity_);
@@ -106,27 +109,25 @@ TEST_F(MatlabReaders, DsOptWithAndWithoutVelocitiesAndTimeStep) {
 
   const Points positions_3d{{0, 0, 0}, {1, 2, 3}, {2, 4, 6}};
   const DemonstrationSet bare =
-      read_ds_opt(write({cells("data", {matrix(nullptr, positions_3d)}), matrix("dt", Points{{0.25}})}));
+      ds_opt(write({cells("data", {matrix(nullptr, positions_3d)}), matrix("dt", Points{{0.25}})}));
   EXPECT_EQ(bare.dimension(), 3);
   EXPECT_TRUE(bare.demonstrations[0].velocity.isApprox(Points{{4, 8, 12}, {4, 8, 12}, {4, 8, 12}}));
-  EXPECT_EQ(read_ds_opt(write({cells("data", {matrix(nullptr, position_)})})).dimension(), 2);
+  EXPECT_EQ(ds_opt(write({cells("data", {matrix(nullptr, position_)})})).dimension(), 2);
 }
 
 TEST_F(MatlabReaders, DsOptDefectsAreNamed) {
-  const std::string lasa = write({cells("demos", {matrix(nullptr, time_)})});
-  expect_error([&] { read_ds_opt(lasa); }, "found the variable(s) 'demos'; expected a ds-opt file");
+  const std::string other = write({cells("demos", {matrix(nullptr, time_)})});
+  expect_error([&] { ds_opt(other); }, "found the variable(s) 'demos'; expected a ds-opt file");
   const std::string odd = write({matrix("two\nlines\001", time_)});
-  expect_error([&] { read_ds_opt(odd); }, "found the variable(s) 'two?lines?'; expected a ds-opt file");
+  expect_error([&] { ds_opt(odd); }, "found the variable(s) 'two?lines?'; expected a ds-opt file");
   const std::string backwards =
       write({cells("data", {matrix(nullptr, position_)}), matrix("dt", Points{{-1}})});
-  expect_error([&] { read_ds_opt(backwards); },
+  expect_error([&] { ds_opt(backwards); },
                "dt: found 1 value(s), the first -1; expected one time step > 0 s");
 }
 
 TEST_F(MatlabReaders, FilesThatAreNoMatlabFiles) {
-  const std::vector<DemonstrationSet (*)(const std::string&)> readers = {
-      [](const std::string& path) { return read_lasa(path); },
-      [](const std::string& path) { return read_ds_opt(path); }};
+  const std::vector<DemonstrationSet (*)(const std::string&)> readers = {lasa, ds_opt};
   for (const auto read : readers) {
     expect_error([&] { read(folder_.path("none.mat")); }, "none.mat: found no such file");
     expect_error([&] { read(folder_.path("")); }, "found a directory");
@@ -146,11 +147,11 @@ TEST_F(MatlabReaders, ATruncatedFileNeverGivesOtherNumbers) {
                                                   structure({{"pos", pos}, {"t", t}, {"vel", pos}})})});
   std::ifstream file(path, std::ios::binary);
   const std::string whole{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  const Points expected = stack_positions(read_lasa(path).demonstrations);
+  const Points expected = stack_positions(lasa(path).demonstrations);
   int rejected = 0;
   for (std::size_t size = 0; size < whole.size(); size += 7) {
     try {
-      EXPECT_EQ(stack_positions(read_lasa(folder_.write("cut.mat", whole.substr(0, size))).demonstrations),
+      EXPECT_EQ(stack_positions(lasa(folder_.write("cut.mat", whole.substr(0, size))).demonstrations),
                 expected)
           << size;
     } catch (const Error&) {
@@ -158,14 +159,14 @@ TEST_F(MatlabReaders, ATruncatedFileNeverGivesOtherNumbers) {
     }
   }
   EXPECT_GT(rejected, static_cast<int>(whole.size() / 7) - 5);
-  expect_error([&] { read_lasa(folder_.write("cut.mat", whole.substr(0, whole.size() / 2))); },
+  expect_error([&] { lasa(folder_.write("cut.mat", whole.substr(0, whole.size() / 2))); },
                "cut.mat: found damaged or truncated data");
 }
 
 TEST(LasaData, KnownFigures) {
   const std::string path = kShared + "/lasa/Sine.mat";
   SKIP_WITHOUT(path);
-  const DemonstrationSet set = read_lasa(path);
+  const DemonstrationSet set = lasa(path);
   EXPECT_EQ(set.name, "Sine");
   EXPECT_EQ(set.unit, "mm");
   ASSERT_EQ(set.demonstrations.size(), 7U);
@@ -184,7 +185,7 @@ TEST(LasaData, DifferentiatedVelocitiesAreNearTheRecordedOnes) {
   for (const char* motion : {"Sine", "Sshape", "CShape", "Worm", "Angle", "GShape", "PShape", "NShape"}) {
     const std::string path = kShared + "/lasa/" + motion + ".mat";
     SKIP_WITHOUT(path);
-    for (const Demonstration& d : read_lasa(path).demonstrations) {
+    for (const Demonstration& d : lasa(path).demonstrations) {
       const Points error = (differentiate(d.time, d.position) - d.velocity).middleRows(20, 960);
       EXPECT_LT(error.norm(), 0.01 * d.velocity.norm()) << motion;
       EXPECT_EQ(d.velocity.row(999).norm(), 0);
@@ -195,7 +196,7 @@ TEST(LasaData, DifferentiatedVelocitiesAreNearTheRecordedOnes) {
 TEST(DsOptData, KnownFigures) {
   const std::string box = kShared + "/ds_opt/3D-pick-box.mat";
   SKIP_WITHOUT(box);
-  const DemonstrationSet set = read_ds_opt(box);
+  const DemonstrationSet set = ds_opt(box);
   ASSERT_EQ(set.demonstrations.size(), 4U);
   EXPECT_EQ(set.unit, "m");
   EXPECT_EQ(set.dimension(), 3);
@@ -204,7 +205,7 @@ TEST(DsOptData, KnownFigures) {
   EXPECT_NEAR(set.demonstrations[0].position(662, 2), 0.63040947, 1e-8);
   EXPECT_EQ(set.demonstrations[0].velocity.row(662).norm(), 0);
 
-  const DemonstrationSet bottom = read_ds_opt(kShared + "/ds_opt/3D_Cshape_bottom.mat");
+  const DemonstrationSet bottom = ds_opt(kShared + "/ds_opt/3D_Cshape_bottom.mat");
   ASSERT_EQ(bottom.demonstrations.size(), 15U);
   EXPECT_EQ(bottom.demonstrations[14].samples(), 401);
   EXPECT_NEAR(bottom.demonstrations[14].position(400, 1), 0.0851855, 1e-7);

@@ -149,7 +149,7 @@ TEST(DataOptions, OnlyTheKeysOfTheSourceAreKnown) {
   expect_error([&] { read("source = \"lasa\"\nfiles = [\"a.mat\"]"); }, "files");
   expect_error([&] { read("motion = \"Cosine\""); }, "Cosine");
   expect_error([&] { read("stride = 0"); }, "stride");
-  expect_error([&] { read("test = [-1]"); }, "test");
+  expect_error([&] { read("test = [-2]"); }, "test");
 }
 
 TEST(DataDirectory, FlagThenEnvironmentThenSharedFolder) {

@@ -31,7 +31,7 @@ class AbcDs : public testing::TestWithParam<Published> {
     const std::string file = data + "/abc_ds/" + GetParam().motion + "_result.json";
     if (!std::filesystem::exists(file)) GTEST_SKIP() << "needs the published ABC-DS results: " << file;
     result_ = nlohmann::json::parse(std::ifstream(file));
-    const DemonstrationSet set = read_lasa(data + "/lasa/" + GetParam().motion + ".mat");
+    const DemonstrationSet set = make_demonstrations(read_lasa(data + "/lasa/" + GetParam().motion + ".mat"));
     demonstrations_ = find_frame(set, "max_norm").normalize(set.demonstrations);
   }
 
