@@ -27,6 +27,7 @@ build libhdf5-dev header:hdf5/serial/hdf5.h
 build libfmt-dev header:fmt/format.h
 build libspdlog-dev header:spdlog/spdlog.h
 build libmatio-dev header:matio.h
+build libzip-dev header:zip.h
 build libtomlplusplus-dev header:toml++/toml.h
 build libcli11-dev header:CLI/CLI.hpp
 build nlohmann-json3-dev header:nlohmann/json.hpp

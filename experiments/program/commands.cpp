@@ -93,7 +93,8 @@ TrainingStart start_from_config(const TrainArguments& arguments, const std::stri
   const Config config = parse_config(text, arguments.config, assignments);
   start.path = arguments.out.empty() ? fmt::format("{}-seed{}.h5", config.name, config.seed) : arguments.out;
   check_writable(start.path);
-  start.setup = prepare(config, data);
+  start.setup = prepare(config, data, print_reading);
+  for (const std::string& line : start.setup.data.report) spdlog::info("data: {}", line);
   start.record = new_record(start.setup, with_settings(text, arguments.config, assignments));
   return start;
 }

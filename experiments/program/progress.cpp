@@ -45,6 +45,10 @@ void print_round(const RoundSummary& row) {
   }
 }
 
+void print_reading(const std::string& path, double share) {
+  spdlog::info("reading {}: {:.0f} %", path, 100 * share);
+}
+
 ProofProgress proof_printer() {
   return [watch = Stopwatch()](Condition condition, const BranchProgress& state) mutable {
     if (watch.seconds() < kProofPause) return;

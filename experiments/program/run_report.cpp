@@ -182,7 +182,9 @@ std::string details(const RunRecord& record) {
   std::string values;
   for (const auto& [key, value] : record.config.values) values += fmt::format("  {:<44}  {}\n", key, value);
   const ThreadCounts threads = thread_counts();
-  return "statement\n" + paragraph(record.certificate.statement) + "\nconditions\n" +
+  std::string reading = record.data.report.empty() ? "" : "reading\n";
+  for (const std::string& line : record.data.report) reading += fmt::format("  {}\n", line);
+  return reading + "statement\n" + paragraph(record.certificate.statement) + "\nconditions\n" +
          condition_tables(record.certificate) + "configuration\n" + values + "\nlast rounds\n" +
          aligned(history_rows(record)) + "\n" +
          row("weights", fmt::format("SHA-256 {}", weight_hash(record.networks))) +

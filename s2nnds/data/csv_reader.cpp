@@ -44,8 +44,8 @@ double read_number(std::string_view cell, bool decimal_comma, const std::string&
   }
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  check(error == std::errc() && end == digits.data() + digits.size(),
-        "{}:{}: found '{}'; expected a number (data.columns picks columns)", path, line, shown(cell));
+  if (error != std::errc() || end != digits.data() + digits.size())
+    fail("{}:{}: found '{}'; expected a number (data.columns picks columns)", path, line, shown(cell));
   return value;
 }
 

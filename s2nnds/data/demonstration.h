@@ -26,6 +26,8 @@ struct DemonstrationSet {
   std::vector<Demonstration> demonstrations;  // in the file's order
   // What was chosen, recognised and cleaned while reading, a line each; of demonstration 3: "3: ...".
   std::vector<std::string> report = {};
+  // [K] standard deviation of a coordinate about smooth motion, in `unit`; empty where it was not measured.
+  std::vector<double> noise = {};
 
   Eigen::Index dimension() const;  // of its first demonstration; throws Error if there is none
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,40 +14,113 @@
 namespace s2nnds {
 namespace {
 
-constexpr std::string_view kExpected =
-    "/demonstrations/K with time [M], position [M, n] and, optionally, velocity [M, n]";
+constexpr std::string_view kOurGroup = "/demonstrations";
+constexpr std::string_view kRobomimicGroup = "/data";
+constexpr std::string_view kRobomimicPosition = "obs/robot0_eef_pos";
 
 // Numbers of rank 1 or 2 as [rows, columns]; rank 1 counts as one column.
 Points read_matrix(const Hdf5Reader& file, const std::string& item) {
   const Array array = file.read<Array>(item);
   const std::size_t rank = array.shape.size();
-  check(rank == 1 || rank == 2, "{}: {}: found rank {}; expected {}", file.path(), item, rank, kExpected);
+  check(rank == 1 || rank == 2, "{}: {}: found rank {}; expected [M] or [M, n]", file.path(), item, rank);
   return Eigen::Map<const Points>(array.values.data(), array.shape[0], rank == 2 ? array.shape[1] : 1);
 }
 
-Recording read_recording(const Hdf5Reader& file, const std::string& group) {
-  const Points time = read_matrix(file, group + "/time");
-  check(time.rows() == 1 || time.cols() == 1, "{}: {}/time: found shape [{}, {}]; expected {}", file.path(),
-        group, time.rows(), time.cols(), kExpected);
-  const Points position = read_matrix(file, group + "/position");
-  const bool has_velocity = file.exists(group + "/velocity");
-  const Points velocity = has_velocity ? read_matrix(file, group + "/velocity") : Points();
-  return {fmt::format("{}: {}", file.path(), group),          "time",   0,
-          Eigen::Map<const Vector>(time.data(), time.size()), position, velocity};
+// The data sets side by side.
+Points read_matrices(const Hdf5Reader& file, const std::string& group,
+                     const std::vector<std::string>& items) {
+  Points all;
+  for (const std::string& item : items) {
+    const Points one = read_matrix(file, group + "/" + item);
+    check(all.size() == 0 || all.rows() == one.rows(), "{}: {}/{}: found {} rows; expected {} as in '{}'",
+          file.path(), group, item, one.rows(), all.rows(), items.front());
+    const Eigen::Index before = all.cols();
+    all.conservativeResize(one.rows(), before + one.cols());
+    all.rightCols(one.cols()) = one;
+  }
+  return all;
+}
+
+// What robomimic says of its simulation, in JSON: env_args, with the steps per second. 0: nothing.
+double control_frequency(const Hdf5Reader& file) {
+  if (!file.has_attribute(std::string(kRobomimicGroup), "env_args")) return 0;
+  const auto said =
+      nlohmann::json::parse(file.text_attribute(std::string(kRobomimicGroup), "env_args"), nullptr, false);
+  if (!said.is_object() || !said.contains("env_kwargs") || !said["env_kwargs"].is_object()) return 0;
+  const auto& arguments = said["env_kwargs"];
+  return arguments.contains("control_freq") && arguments["control_freq"].is_number()
+             ? arguments["control_freq"].get<double>()
+             : 0;
+}
+
+// Where the parts of each demonstration lie in a file.
+struct Layout {
+  std::string group;
+  std::string time;  // "": counted by `rate`
+  std::vector<std::string> position;
+  std::vector<std::string> velocity;  // those that are there are read
+  double rate = 0;
+  bool robomimic = false;
+};
+
+Layout find_layout(const Hdf5Reader& file, const TableOptions& options) {
+  const ColumnOptions& wanted = options.columns;
+  Layout layout{wanted.index, wanted.time, wanted.position, wanted.velocity, options.rate};
+  if (layout.group.empty()) {
+    const bool ours = file.exists(std::string(kOurGroup)) || !file.exists(std::string(kRobomimicGroup));
+    layout.group = ours ? kOurGroup : kRobomimicGroup;
+  }
+  if (!layout.group.starts_with("/")) layout.group = "/" + layout.group;
+  while (layout.group.ends_with("/")) layout.group.pop_back();
+  layout.robomimic = layout.group == kRobomimicGroup && wanted.time.empty();
+  if (layout.position.empty())
+    layout.position = {layout.robomimic ? std::string(kRobomimicPosition) : "position"};
+  if (layout.velocity.empty() && wanted.position.empty()) layout.velocity = {"velocity"};
+  if (layout.velocity == std::vector<std::string>{"none"}) layout.velocity.clear();
+  if (layout.robomimic && layout.rate <= 0) layout.rate = control_frequency(file);
+  if (layout.rate <= 0 && layout.time.empty()) layout.time = "time";
+  return layout;
+}
+
+Recording read_recording(const Hdf5Reader& file, const std::string& group, const Layout& layout) {
+  Recording r{fmt::format("{}: {}", file.path(), group), layout.time, 0, {}, {}, {}};
+  if (!layout.time.empty()) {
+    check(!layout.robomimic || file.exists(group + "/" + layout.time),
+          "{}: found no times in {} and no control frequency; expected data.rate (samples per second)",
+          file.path(), group);
+    const Points time = read_matrix(file, group + "/" + layout.time);
+    check(time.rows() == 1 || time.cols() == 1, "{}: {}/{}: found shape [{}, {}]; expected one time a sample",
+          file.path(), group, layout.time, time.rows(), time.cols());
+    r.time = Eigen::Map<const Vector>(time.data(), time.size());
+  }
+  r.position = read_matrices(file, group, layout.position);
+  if (layout.time.empty())
+    r.time = Vector::LinSpaced(r.samples(), 0, static_cast<double>(r.samples() - 1) / layout.rate);
+  const bool has_velocity = !layout.velocity.empty() && file.exists(group + "/" + layout.velocity.front());
+  if (has_velocity) r.velocity = read_matrices(file, group, layout.velocity);
+  return r;
 }
 
 }  // namespace
 
-RecordingSet read_hdf5(const std::string& path) {
+RecordingSet read_hdf5(const std::string& path, const TableOptions& options) {
   check_readable(path);
   const Hdf5Reader file(path);
-  std::vector<std::string> names = file.children("/demonstrations");
+  const Layout layout = find_layout(file, options);
+  std::vector<std::string> names = file.children(layout.group.empty() ? "/" : layout.group);
   std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {  // 2 before 10
     return std::pair(a.size(), a) < std::pair(b.size(), b);
   });
   RecordingSet set{stem(path), ""};
-  for (const std::string& name : names) {
-    set.recordings.push_back(read_recording(file, "/demonstrations/" + name));
+  check(!names.empty(), "{}: found no demonstrations in {}; expected at least 1", path, layout.group);
+  for (const std::string& name : names)
+    set.recordings.push_back(read_recording(file, layout.group + "/" + name, layout));
+  if (layout.time.empty()) set.time_unit = 1;
+  if (layout.group != kOurGroup || !options.columns.position.empty()) {
+    set.report.push_back(
+        fmt::format("{} demonstrations in {}: position {}, time {}", names.size(), layout.group,
+                    fmt::join(layout.position, " "),
+                    layout.time.empty() ? fmt::format("by {:g} samples/s", layout.rate) : layout.time));
   }
   return set;
 }

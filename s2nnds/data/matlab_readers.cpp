@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/hdf5.h"
 #include "s2nnds/core/printable.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/data/recording.h"
@@ -36,6 +38,14 @@ class ComplaintScope {
   ComplaintScope& operator=(const ComplaintScope&) = delete;
 };
 
+// MATLAB 7.3: HDF5 behind 512 bytes of text.
+bool is_hdf5(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(520, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return head.compare(512, 8, "\x89HDF\r\n\x1a\n") == 0;
+}
+
 struct CloseFile {
   void operator()(mat_t* file) const { Mat_Close(file); }
 };
@@ -49,12 +59,13 @@ class MatlabFile {
   MatlabFile(const std::string& path, std::string expected) : path_(path), expected_(std::move(expected)) {
     check_readable(path);
     file_size_ = static_cast<double>(std::filesystem::file_size(path));
+    if (is_hdf5(path)) const Hdf5Reader whole(path);  // 7.3; says what is wrong, where matio prints it
     file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
     check(file_ != nullptr, "{}: found no MATLAB file; expected {}", path_, expected_);
-    check(
-        Mat_GetVersion(file_.get()) == MAT_FT_MAT5,
-        "{}: found no MATLAB 5 to 7 file (another version, or no MATLAB file at all); expected {} (save -v7)",
-        path_, expected_);
+    const mat_ft version = Mat_GetVersion(file_.get());
+    check(version == MAT_FT_MAT5 || version == MAT_FT_MAT73,
+          "{}: found no MATLAB 5 to 7.3 file (another version, or no MATLAB file at all); expected {}", path_,
+          expected_);
   }
 
   // The variable, or null if the file has none of this name.

@@ -42,27 +42,32 @@ RecordingSet as_recordings(const DemonstrationSet& set) {
 }
 
 // Of recordings that people made themselves: units may be wrong, samples may be lost.
-bool is_raw(const std::string& source) { return source == "csv" || source == "hdf5"; }
+bool is_raw(const std::string& source) { return source == "csv" || source == "npy" || source == "hdf5"; }
 
-RecordingSet read_hdf5_files(const std::vector<std::string>& paths) {
+RecordingSet read_hdf5_files(const std::vector<std::string>& paths, const TableOptions& options) {
   check(!paths.empty(), "hdf5: found no files; expected at least one (data.files)");
-  RecordingSet set = read_hdf5(paths.front());
+  RecordingSet set = read_hdf5(paths.front(), options);
   for (std::size_t i = 1; i < paths.size(); ++i) {
-    for (Recording& recording : read_hdf5(paths[i]).recordings)
-      set.recordings.push_back(std::move(recording));
+    for (Recording& r : read_hdf5(paths[i], options).recordings) set.recordings.push_back(std::move(r));
   }
   return set;
+}
+
+RecordingSet read_raw(const DataOptions& options, const std::string& data_dir,
+                      const ReadingProgress& progress) {
+  const auto files = [&](const std::vector<std::string>& endings) {
+    return find_data_files(options.files, data_dir, endings);
+  };
+  if (options.source == "csv") return read_csv(files({".csv", ".txt", ".tsv", ".dat"}), options, progress);
+  if (options.source == "npy") return read_npy(files({".npy", ".npz"}), options);
+  return read_hdf5_files(files({".h5", ".hdf5"}), options);
 }
 
 RecordingSet read_source(const DataOptions& options, const std::string& data_dir,
                          const ReadingProgress& progress) {
   if (options.source == "handwriting") return as_recordings(handwriting(options.motion));
   if (is_raw(options.source)) {
-    const bool csv = options.source == "csv";
-    const std::vector<std::string> endings = csv ? std::vector<std::string>{".csv", ".txt", ".tsv", ".dat"}
-                                                 : std::vector<std::string>{".h5", ".hdf5"};
-    const std::vector<std::string> paths = find_data_files(options.files, data_dir, endings);
-    RecordingSet set = csv ? read_csv(paths, options, progress) : read_hdf5_files(paths);
+    RecordingSet set = read_raw(options, data_dir, progress);
     if (!options.unit.empty()) set.unit = options.unit;
     return set;
   }
@@ -70,10 +75,22 @@ RecordingSet read_source(const DataOptions& options, const std::string& data_dir
   return options.source == "lasa" ? read_lasa(path) : read_ds_opt(path);
 }
 
+DemonstrationSet clean_all(const RecordingSet& recordings, const DataOptions& options) {
+  DemonstrationSet set{recordings.name, recordings.unit, {}, recordings.report};
+  for (std::size_t k = 0; k < recordings.recordings.size(); ++k) {
+    CleanDemonstration one =
+        clean(recordings.recordings[k], options.cleaning, options.stride, recordings.unit);
+    set.demonstrations.push_back(std::move(one.demonstration));
+    set.noise.push_back(one.noise);
+    if (!one.steps.empty()) set.report.push_back(fmt::format("{}: {}", k, fmt::join(one.steps, ", ")));
+  }
+  return set;
+}
+
 }  // namespace
 
 void DataOptions::visit(FieldVisitor& v) {
-  v.field("source", source, {"handwriting", "lasa", "ds_opt", "csv", "hdf5"});
+  v.field("source", source, {"handwriting", "lasa", "ds_opt", "csv", "npy", "hdf5"});
   if (source == "handwriting") {
     v.field("motion", motion, handwriting_motions());
   } else if (is_raw(source)) {
@@ -81,16 +98,15 @@ void DataOptions::visit(FieldVisitor& v) {
   } else {
     v.field("file", file);
   }
-  if (source == "csv") {
-    v.group("columns", columns);
-    v.field("delimiter", delimiter, {"auto", "comma", "semicolon", "tab", "blanks"});
-    v.field("rate", rate, at_least(0));
-  }
+  if (source == "csv") v.field("delimiter", delimiter, {"auto", "comma", "semicolon", "tab", "blanks"});
   if (is_raw(source)) {
+    v.group("columns", columns);
+    v.field("rate", rate, at_least(0));
     v.field("time_unit", time_unit, {"auto", "s", "ms", "us", "ns"});
     v.field("unit", unit);
     v.group("limits", limits);
   }
+  v.group("cleaning", cleaning);
   v.field("stride", stride, at_least(1));
   v.field("normalization", normalization, {"max_abs", "max_norm"});
   v.field("use", use, at_least(0));
@@ -104,7 +120,10 @@ DemonstrationSet read_demonstrations(const DataOptions& options, const std::stri
   RecordingSet recordings = read_source(options, data_dir, progress);
   if (!options.use.empty()) recordings.recordings = select(recordings.recordings, options.use);
   bring_to_seconds(recordings, options.time_unit);
-  DemonstrationSet set = make_demonstrations(recordings, options.stride);
+  const bool cleaned =
+      options.cleaning.steps == "auto" ? is_raw(options.source) : options.cleaning.steps == "on";
+  DemonstrationSet set =
+      cleaned ? clean_all(recordings, options) : make_demonstrations(recordings, options.stride);
   check_demonstrations(set, set.name);
   if (is_raw(options.source)) {
     std::vector<std::string> time_columns;

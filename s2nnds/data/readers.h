@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "s2nnds/core/options.h"
+#include "s2nnds/data/cleaning.h"
 #include "s2nnds/data/column_names.h"
 #include "s2nnds/data/demonstration.h"
 #include "s2nnds/data/plausibility.h"
@@ -24,15 +25,15 @@ struct TableOptions {
 
 // Which demonstrations to read, and what to do with them.
 struct DataOptions : TableOptions {
-  std::string source = "handwriting";  // handwriting (shipped, synthetic), lasa, ds_opt, csv, hdf5
+  std::string source = "handwriting";  // handwriting (shipped, synthetic), lasa, ds_opt, csv, npy, hdf5
   std::string file;                    // lasa, ds_opt: one file, relative to the data directory
   std::string motion = "Sine";         // handwriting: Sine, S, C, N, Spiral, Helix
-  // csv, hdf5: files, folders or patterns (d*.csv), relative to the data directory; in a csv file, a new value
+  // csv, npy, hdf5: files, folders or patterns (d*.csv), relative to the data directory; in a csv file, a new value
   // of data.columns.index and blank lines begin a new demonstration.
   std::vector<std::string> files;
   std::string time_unit = "auto";  // of times in the files: s, ms, us, ns; auto: recognised, and reported
   std::int64_t stride = 1;         // >= 1: keep every stride-th sample (and the last one)
-  std::string unit;                // csv, hdf5: of length in the files: m, mm, cm, rad, deg or another text
+  std::string unit;  // csv, npy, hdf5: of length in the files: m, mm, cm, rad, deg or another text
   std::string normalization = "max_abs";  // scales by the largest coordinate (max_abs) or norm (max_norm)
   std::vector<std::int64_t> use;  // demonstrations to use at all, from 0, in this order; empty: every one
   // Held out, counted from 0 among those in use. [-1]: the last fifth of them, none of fewer than four.
@@ -40,7 +41,8 @@ struct DataOptions : TableOptions {
   // Held out as well, counted as `test`, for choosing among runs: a choice made on test demonstrations would
   // spoil their figures.
   std::vector<std::int64_t> validation;
-  PlausibilityOptions limits;  // csv, hdf5: what no arm does is refused
+  CleaningOptions cleaning;    // what is done to recordings first; positions that are left stay as they are
+  PlausibilityOptions limits;  // csv, npy, hdf5: what no arm does is refused
 
   void visit(FieldVisitor& v);  // names only the keys that `source` has
 };
@@ -48,16 +50,16 @@ struct DataOptions : TableOptions {
 // Called now and then while a large file is read: its path, and the share of it that is done.
 using ReadingProgress = std::function<void(const std::string& path, double share)>;
 
-// Reads, picks `use`, brings times to seconds, checks and thins; positions and recorded velocities stay as they
-// are in the files. Relative paths count from `data_dir`. Throws Error with path, what was found and what was
+// Reads, picks `use`, brings times to seconds, cleans, checks and thins; the report says what was done.
+// Positions and recorded velocities that are left stay as they are in the files. Relative paths count from `data_dir`. Throws Error with path, what was found and what was
 // expected.
 DemonstrationSet read_demonstrations(const DataOptions& options, const std::string& data_dir,
                                      const ReadingProgress& progress = {});
 
-// MATLAB (5 to 7, not 7.3): cell array demos{k} of structs with pos [n, M] mm, t [1, M] s, vel [n, M] mm/s.
+// MATLAB (5 to 7.3): cell array demos{k} of structs with pos [n, M] mm, t [1, M] s, vel [n, M] mm/s.
 RecordingSet read_lasa(const std::string& path);
 
-// MATLAB (5 to 7, not 7.3): cell array data{k} of [2n, M], positions (m) above velocities (m/s); with 2 rows
+// MATLAB (5 to 7.3): cell array data{k} of [2n, M], positions (m) above velocities (m/s); with 2 rows
 // or an odd number of rows, positions alone. Optional scalar dt, s; else 0.01 s.
 RecordingSet read_ds_opt(const std::string& path);
 
@@ -67,9 +69,16 @@ RecordingSet read_ds_opt(const std::string& path);
 RecordingSet read_csv(const std::vector<std::string>& paths, const TableOptions& options = {},
                       const ReadingProgress& progress = {});
 
-// HDF5: a group /demonstrations/K each (sorted by number) with time [M], position [M, n] and, optionally,
-// velocity [M, n]. Unit: "".
-RecordingSet read_hdf5(const std::string& path);
+// NumPy. An .npy file is a table [M, columns], or [K, M, columns] of K demonstrations, whose columns are told by
+// number as those of a CSV file without header. An .npz file has arrays time [M] or [K, M], position [M, n]
+// or [K, M, n] and, optionally, velocity of the same shape; options.columns names them otherwise.
+RecordingSet read_npy(const std::vector<std::string>& paths, const TableOptions& options = {});
+
+// HDF5: a group of demonstrations (sorted by number), each with time [M], position [M, n] and, optionally,
+// velocity [M, n]. options.columns names the group (`index`) and the data sets in its members; several that make
+// up the positions stand side by side. Without names: /demonstrations/K/time, position, velocity; robomimic's
+// /data/demo_K/obs/robot0_eef_pos, whose times count by the control frequency in the file.
+RecordingSet read_hdf5(const std::string& path, const TableOptions& options = {});
 
 // Derivative of the parabola through three neighbouring samples: central in the interior, one-sided at the
 // ends, on any increasing time grid; error O(h^2). time [M], position [M, n] -> [M, n], M >= 2 (two samples:

@@ -19,15 +19,16 @@ std::vector<Eigen::Index> kept_samples(Eigen::Index samples, std::int64_t stride
 }
 
 void check_finite(const Recording& r, Eigen::Index i) {
-  const auto check_numbers = [&](bool finite, std::string_view what) {
-    check(finite,
-          "{}: found a {} that is NaN, infinite or missing; expected finite numbers (data.cleaning.missing "
-          "drops such samples)",
-          r.place(i), what);
-  };
-  check_numbers(std::isfinite(r.time[i]), "time");
-  check_numbers(r.position.row(i).allFinite(), "position");
-  check_numbers(r.velocity.size() == 0 || r.velocity.row(i).allFinite(), "velocity");
+  const bool time = std::isfinite(r.time[i]);
+  const bool position = r.position.row(i).allFinite();
+  if (time && position && (r.velocity.size() == 0 || r.velocity.row(i).allFinite())) return;
+  fail(
+      "{}: found a {} that is NaN, infinite or missing; expected finite numbers (data.cleaning.missing drops "
+      "such samples)",
+      r.place(i),
+      !time       ? "time"
+      : !position ? "position"
+                  : "velocity");
 }
 
 }  // namespace
@@ -57,10 +58,11 @@ void check_recording(const Recording& r) {
   for (Eigen::Index i = 0; i < r.samples(); ++i) {
     check_finite(r, i);
     if (i == 0) continue;
-    check(r.time[i] > r.time[i - 1],
-          "{}: found time {} after {}; expected increasing times (data.cleaning.repeated_times merges "
-          "repeated and sorts exchanged ones)",
-          r.place(i), r.time_offset + r.time[i], r.time_offset + r.time[i - 1]);
+    if (r.time[i] > r.time[i - 1]) continue;
+    fail(
+        "{}: found time {} after {}; expected increasing times (data.cleaning.repeated_times merges repeated "
+        "and sorts exchanged ones)",
+        r.place(i), r.time_offset + r.time[i], r.time_offset + r.time[i - 1]);
   }
 }
 

@@ -20,13 +20,14 @@ PreparedRun prepare(Config config, RunData data, RegionFiles files) {
 
 }  // namespace
 
-PreparedRun prepare(const Config& config, const std::string& data_dir) {
-  DemonstrationSet as_read = read_demonstrations(config.data, data_dir);
+PreparedRun prepare(const Config& config, const std::string& data_dir, const ReadingProgress& progress) {
+  DemonstrationSet as_read = read_demonstrations(config.data, data_dir, progress);
   RunData data;
   data.dimension = as_read.dimension();
   data.frame = find_frame(as_read, config.data.normalization);
   data.split = split_demonstrations(as_read.demonstrations.size(), config.data.test, config.data.validation);
   data.demonstrations = std::move(as_read.demonstrations);
+  data.report = std::move(as_read.report);
   return prepare(config, std::move(data), RegionFiles(data_dir));
 }
 

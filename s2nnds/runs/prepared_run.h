@@ -26,7 +26,7 @@ struct PreparedRun {
 
 // Reads the data that the configuration names, from files below `data_dir`, and builds the sets. Throws Error
 // for whatever is wrong with the data or the sets.
-PreparedRun prepare(const Config& config, const std::string& data_dir);
+PreparedRun prepare(const Config& config, const std::string& data_dir, const ReadingProgress& progress = {});
 // The same for a stored run, from its own configuration, demonstrations and files.
 PreparedRun prepare(const RunRecord& record);
 

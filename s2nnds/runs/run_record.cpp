@@ -108,6 +108,7 @@ void write(Hdf5Writer& file, const RunData& data) {
   file.write("/data/train", data.split.train);
   file.write("/data/test", data.split.test);
   if (!data.split.validation.empty()) file.write("/data/validation", data.split.validation);
+  if (!data.report.empty()) file.write("/data/report", data.report);
   file.make_group("/data/demonstrations");
   for (std::size_t k = 0; k < data.demonstrations.size(); ++k) {
     const std::string group = numbered("/data/demonstrations", k);
@@ -129,6 +130,7 @@ RunData read_data(const Hdf5Reader& file) {
         data.dimension);
   data.split = {.train = file.read_integers("/data/train"), .test = file.read_integers("/data/test")};
   if (file.exists("/data/validation")) data.split.validation = file.read_integers("/data/validation");
+  if (file.exists("/data/report")) data.report = file.read_texts("/data/report");
   const std::size_t count = file.children("/data/demonstrations").size();
   for (std::size_t k = 0; k < count; ++k) {
     const std::string group = numbered("/data/demonstrations", k);

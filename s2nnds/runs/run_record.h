@@ -33,6 +33,7 @@ struct RunData {
   Split split;                 // which demonstrations train, test and validate
   // Every demonstration as read, in the data's unit and frame and in seconds; those held out included.
   std::vector<Demonstration> demonstrations;
+  std::vector<std::string> report = {};  // what was recognised and cleaned while reading, a line each
 
   // All demonstrations in normalised units. Throws Error as Frame::normalize does.
   std::vector<Demonstration> normalized() const { return frame.normalize(demonstrations); }

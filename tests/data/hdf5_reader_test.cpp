@@ -7,6 +7,7 @@
 #include <hdf5/serial/hdf5.h>  // Debian's place
 #endif
 
+#include "s2nnds/core/hdf5.h"
 #include "s2nnds/data/readers.h"
 #include "tests/data/temporary_folder.h"
 
@@ -99,6 +100,46 @@ TEST_F(Hdf5Demonstrations, ReadsCompressedData) {
   close();
   EXPECT_LT(std::filesystem::file_size(path_), static_cast<std::size_t>(position.size()) * sizeof(double));
   EXPECT_EQ(hdf5(path_).demonstrations[0].position, position);
+}
+
+TEST_F(Hdf5Demonstrations, ReadsDataSetsByTheirPaths) {
+  put("/log/run_2/stamp", time_, 1);
+  put("/log/run_2/arm/x", position_.col(0), 1);
+  put("/log/run_2/arm/yz", position_.rightCols(2));
+  put("/log/run_2/arm/v", velocity_);
+  close();
+  TableOptions options;
+  options.columns = {
+      .time = "stamp", .position = {"arm/x", "arm/yz"}, .velocity = {"arm/v"}, .index = "/log"};
+  const Recording r = read_hdf5(path_, options).recordings.at(0);
+  EXPECT_EQ(r.time, time_.col(0));
+  EXPECT_EQ(r.time_column, "stamp");
+  EXPECT_EQ(r.position, position_);
+  EXPECT_EQ(r.velocity, velocity_);
+  options.columns.position = {"arm/q"};
+  expect_error([&] { read_hdf5(path_, options); }, "expected a dataset /log/run_2/arm/q, found none");
+  options.columns.index = "/logs";
+  expect_error([&] { read_hdf5(path_, options); }, "expected a group /logs, found none");
+}
+
+TEST_F(Hdf5Demonstrations, ReadsRobomimicsLayout) {
+  put("/data/demo_10/obs/robot0_eef_pos", 10 * position_);
+  put("/data/demo_2/obs/robot0_eef_pos", position_);
+  close();
+  expect_error([&] { read_hdf5(path_); }, "expected data.rate (samples per second)");
+  TableOptions options;
+  options.rate = 4;
+  const RecordingSet set = read_hdf5(path_, options);
+  EXPECT_EQ(set.recordings.at(0).position, position_);
+  EXPECT_EQ(set.recordings.at(1).time, Vector({{0, 0.25, 0.5}}));
+  EXPECT_EQ(set.time_unit, 1);
+  EXPECT_EQ(set.report.at(0), "2 demonstrations in /data: position obs/robot0_eef_pos, time by 4 samples/s");
+  Hdf5Writer file(folder_.path("mimic.h5"));
+  file.write("/data/demo_0/obs/robot0_eef_pos", position_);
+  file.write_attribute("/data", "env_args",
+                       std::string("{\"env_name\": \"Lift\", \"env_kwargs\": {\"control_freq\": 20}}"));
+  file.commit();
+  EXPECT_EQ(read_hdf5(folder_.path("mimic.h5")).recordings.at(0).time, Vector({{0, 0.05, 0.1}}));
 }
 
 TEST_F(Hdf5Demonstrations, NoDemonstrations) {

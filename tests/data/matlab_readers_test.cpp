@@ -79,6 +79,19 @@ TEST_F(MatlabReaders, LasaRoundTrip) {
   EXPECT_EQ(set.demonstrations[1].position, other);
 }
 
+TEST_F(MatlabReaders, Version73ReadsAlike) {
+  const std::string path =
+      write({cells("demos", {structure({{"pos", position_}, {"t", time_}, {"vel", velocity_}}),
+                             structure({{"pos", 2 * position_}, {"t", time_}, {"vel", velocity_}})})},
+            MAT_FT_MAT73);
+  const DemonstrationSet set = lasa(path);
+  ASSERT_EQ(set.demonstrations.size(), 2U);
+  EXPECT_EQ(set.demonstrations[0].velocity, velocity_);
+  EXPECT_EQ(set.demonstrations[1].position, 2 * position_);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  expect_error([&] { lasa(path); }, "made.mat: expected a whole HDF5 file");
+}
+
 TEST_F(MatlabReaders, LasaDefectsAreNamed) {
   const auto expect_rejected = [&](const std::vector<matvar_t*>& variables, const std::string& part) {
     const std::string path = write(variables);
@@ -134,8 +147,8 @@ TEST_F(MatlabReaders, FilesThatAreNoMatlabFiles) {
     expect_error([&] { read(folder_.write("empty.mat", "")); }, "empty.mat: found no MATLAB");
     expect_error([&] { read(folder_.write("text.mat", "time,x,y\n0,1,2\n1,2,3\n" + std::string(400, 'x'))); },
                  "text.mat: found no MATLAB");
-    const std::string v73 = write({matrix("demos", time_)}, MAT_FT_MAT73);
-    expect_error([&] { read(v73); }, "made.mat: found no MATLAB 5 to 7 file");
+    expect_error([&] { read(write({matrix("d", time_)}, MAT_FT_MAT4)); },
+                 "made.mat: found no MATLAB 5 to 7.3 file");
   }
 }
 

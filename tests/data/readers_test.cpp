@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -123,6 +124,127 @@ TEST_F(ReadDemonstrations, BadOptionsAreNamed) {
   expect_error([&] { read_demonstrations(csv_, ""); }, "stride");
   options.source = "paper";
   expect_error([&] { read_demonstrations(options, ""); }, "source");
+}
+
+// Recordings as people have them: from files to demonstrations, and what is reported.
+class RawRecordings : public testing::Test {
+ protected:
+  // A curve in 3 s with 100 samples, a line each by `row` (time from 0 to 3, x, y).
+  template <typename Row>
+  void write(const std::string& name, const std::string& header, const Row& row) const {
+    std::string text = header;
+    for (int i = 0; i < 100; ++i) {
+      const double u = i / 99.0;
+      text += row(3 * u, 0.4 * u, 0.1 * std::sin(3 * u));
+    }
+    folder_.write(name, text);
+  }
+  void write_seconds(const std::string& name, double scale = 1) const {
+    write(name, "time,x,y\n",
+          [&](double t, double x, double y) { return fmt::format("{},{},{}\n", t, scale * x, scale * y); });
+  }
+  DataOptions files(const std::vector<std::string>& names) const {
+    DataOptions options;
+    options.source = "csv";
+    options.files = names;
+    options.unit = "m";
+    return options;
+  }
+  DemonstrationSet read(const DataOptions& options) const {
+    return read_demonstrations(options, folder_.path(""));
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(RawRecordings, NanosecondsAreRecognisedAndReported) {
+  for (const char* name : {"d0.csv", "d1.csv"}) {
+    write(name, "%time,field.pose.position.x,field.pose.position.y\n", [](double t, double x, double y) {
+      return fmt::format("{},{},{}\n", 1681292354616358019 + static_cast<std::int64_t>(1e9 * t), x, y);
+    });
+  }
+  const DemonstrationSet set = read(files({"d*.csv"}));
+  ASSERT_EQ(set.demonstrations.size(), 2U);
+  EXPECT_NEAR(set.demonstrations[0].time[99] - set.demonstrations[0].time[0], 3, 1e-8);
+  EXPECT_NEAR(set.demonstrations[0].velocity(50, 0), 0.4 / 3, 1e-4);
+  EXPECT_EQ(set.report.at(1),
+            "time column 'time' taken as ns (by its size, counted from 1970); data.time_unit "
+            "says otherwise");
+  DataOptions stated = files({"d0.csv"});
+  stated.time_unit = "s";
+  expect_error([&] { read(stated); },
+               "found a duration of 3e+09 s (time column 'time'); expected at most 3600 s");
+}
+
+TEST_F(RawRecordings, BurstsGiveTheRecordedSpeedOrAnErrorThatNamesTheColumn) {
+  double last = 0;
+  write("d0.csv", "time,x,y\n", [&, k = 0](double t, double x, double y) mutable {
+    last = k++ % 2 == 0 ? t : last + 5e-6;
+    return fmt::format("{},{},{}\n", last, x, y);
+  });
+  const DemonstrationSet set = read(files({"d0.csv"}));
+  EXPECT_LT(set.demonstrations[0].velocity.rowwise().norm().maxCoeff(), 0.25);
+  EXPECT_EQ(set.report.at(1).substr(0, 36), "0: 50 time stamps in bursts merged, ");
+  DataOptions off = files({"d0.csv"});
+  off.cleaning.steps = "off";
+  expect_error([&] { read(off); }, "demonstration 0: found a speed of");
+  expect_error([&] { read(off); }, "(time column 'time'); expected at most 20");
+}
+
+TEST_F(RawRecordings, FoldersAndPatternsInOrderOfNumber) {
+  write_seconds("d2.csv", 2);
+  write_seconds("d10.csv", 10);
+  folder_.write("notes.md", "not data");
+  for (const char* name : {".", "d*.csv", "d[0-9]*.csv"}) {
+    const DemonstrationSet set = read(files({name}));
+    ASSERT_EQ(set.demonstrations.size(), 2U) << name;
+    EXPECT_NEAR(set.demonstrations[1].position(99, 0), 4, 1e-12);
+  }
+  std::filesystem::create_directory(folder_.path("empty"));
+  expect_error([&] { read(files({"empty"})); },
+               "empty: found no files that end in .csv, .txt, .tsv, .dat; expected");
+  expect_error([&] { read(files({"e*.csv"})); },
+               "found no files as 'e*.csv'; expected at least one (data.files)");
+  expect_error([&] { read(files({"d3.csv"})); },
+               "d3.csv: found no such file; expected it in the data directory");
+}
+
+TEST_F(RawRecordings, UnitsThatDifferAreAnError) {
+  write_seconds("a.csv");
+  write_seconds("b.csv", 1000);
+  expect_error([&] { read(files({"a.csv", "b.csv"})); }, "found demonstration 0 0.4");
+  expect_error([&] { read(files({"b.csv"})); }, "found a speed of 1");  // mm taken for m
+  DataOptions millimetres = files({"b.csv"});
+  millimetres.unit = "mm";
+  EXPECT_EQ(read(millimetres).demonstrations.size(), 1U);
+}
+
+TEST_F(RawRecordings, SmallSets) {
+  write_seconds("a.csv");
+  EXPECT_EQ(read(files({"a.csv"})).demonstrations.size(), 1U);
+  folder_.write("two.csv", "time,x,y\n0,0,0\n1,1,0.5\n");
+  EXPECT_TRUE(read(files({"two.csv"})).demonstrations[0].velocity.isApprox(Points{{1, 0.5}, {1, 0.5}}));
+  folder_.write("one.csv", "time,x,y\n0,0,0\n");
+  expect_error([&] { read(files({"one.csv"})); }, "one.csv:2: found 1 sample(s)");
+  write("c.csv", "time,x,y,z\n",
+        [](double t, double x, double y) { return fmt::format("{},{},{},0\n", t, x, y); });
+  expect_error([&] { read(files({"a.csv", "c.csv"})); }, "c.csv: found 3 position columns; expected 2");
+}
+
+TEST_F(RawRecordings, AMillionSamplesInSecondsWithProgress) {
+  std::string text = "time,x,y\n";
+  for (int i = 0; i < 1'000'000; ++i)
+    text +=
+        fmt::format("{:.4f},{:.6f},{:.6f}\n", 1e-4 * i, 0.3 * std::sin(1e-5 * i), 0.3 * std::cos(1e-5 * i));
+  folder_.write("long.csv", text);
+  int lines = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  const DemonstrationSet set = read_demonstrations(files({"long.csv"}), folder_.path(""),
+                                                   [&](const std::string&, double) { ++lines; });
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+  EXPECT_EQ(set.demonstrations[0].samples(), 1'000'000);
+  EXPECT_EQ(lines, 4);
+  RecordProperty("seconds", std::to_string(seconds.count()));
 }
 
 TEST(DataOptions, OnlyTheKeysOfTheSourceAreKnown) {

@@ -152,7 +152,7 @@ class DataTest(RefusedTraining):
         rows = csv_rows()
         self.write("a.csv", rows)
         self.write("b.csv", rows[:5] + ["0.2,nan,0.1"] + rows[6:])
-        self.assert_train_refused(self.csv(), "b.csv", "nan")
+        self.assert_train_refused({**self.csv(), "data.cleaning.missing": "false"}, "b.csv:6", "NaN")
 
     def test_csv_with_ragged_rows(self):
         rows = csv_rows()

@@ -236,6 +236,7 @@ class Data:
     train: list  # indices into demonstrations
     test: list
     demonstrations: list = field(default_factory=list)
+    report: list = field(default_factory=list)  # what was recognised and cleaned while reading, a line each
 
     @property
     def time_scale(self):
@@ -459,6 +460,8 @@ class Run:
             _array(group, "goals", (None, n)),
             **indices,
         )
+        if "report" in group:
+            self.data.report = [str(_plain(line)) for line in group["report"][()]]
         for item in _numbered(group.get("demonstrations", {})):
             time = _array(item, "time", (None,))
             self.data.demonstrations.append(
