@@ -55,10 +55,11 @@ std::vector<LocalParabola> fit_all(const Vector& time, const Points& position, d
   const Eigen::Index most = std::max(kFewest, samples / 10);
   std::vector<LocalParabola> fits;
   fits.reserve(static_cast<std::size_t>(samples));
-  Eigen::Index low = 0, high = 0;  // samples within the width
+  const double half = width / 2 * (1 + 1e-9);  // with a sample that rounding puts just outside
+  Eigen::Index low = 0, high = 0;              // samples within it
   for (Eigen::Index i = 0; i < samples; ++i) {
-    while (time[i] - time[low] > width / 2) ++low;
-    while (high + 1 < samples && time[high + 1] - time[i] <= width / 2) ++high;
+    while (time[i] - time[low] > half) ++low;
+    while (high + 1 < samples && time[high + 1] - time[i] <= half) ++high;
     // As many to both sides as the side with fewer has, so that the middle of the window is the sample.
     const Eigen::Index reach = std::clamp(std::min(i - low, high - i), (kFewest - 1) / 2, (most - 1) / 2);
     const Eigen::Index first = std::clamp<Eigen::Index>(i - reach, 0, samples - kFewest);

@@ -131,7 +131,7 @@ class RawRecordings : public testing::Test {
  protected:
   // A curve in 3 s with 100 samples, a line each by `row` (time from 0 to 3, x, y).
   template <typename Row>
-  void write(const std::string& name, const std::string& header, const Row& row) const {
+  void write(const std::string& name, const std::string& header, Row row) const {
     std::string text = header;
     for (int i = 0; i < 100; ++i) {
       const double u = i / 99.0;

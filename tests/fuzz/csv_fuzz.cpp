@@ -5,6 +5,6 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = s2nnds::fuzz::file_of(data, size, ".csv");
-  s2nnds::fuzz::expect_one_line([&] { s2nnds::read_csv({path}); });
+  s2nnds::fuzz::expect_one_line([&] { s2nnds::make_demonstrations(s2nnds::read_csv({path})); });
   return 0;
 }

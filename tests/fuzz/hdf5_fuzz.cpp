@@ -23,6 +23,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string path = s2nnds::fuzz::file_of(nullptr, 0, ".h5");
   write_recordings(path);
   s2nnds::fuzz::edit_hdf5(path, data, size);
-  s2nnds::fuzz::expect_one_line([&] { s2nnds::read_hdf5(path); });
+  s2nnds::fuzz::expect_one_line([&] { s2nnds::make_demonstrations(s2nnds::read_hdf5(path)); });
   return 0;
 }

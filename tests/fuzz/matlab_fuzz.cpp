@@ -5,7 +5,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string path = s2nnds::fuzz::file_of(data, size, ".mat");
-  s2nnds::fuzz::expect_one_line([&] { s2nnds::read_lasa(path); });
-  s2nnds::fuzz::expect_one_line([&] { s2nnds::read_ds_opt(path); });
+  s2nnds::fuzz::expect_one_line([&] { s2nnds::make_demonstrations(s2nnds::read_lasa(path)); });
+  s2nnds::fuzz::expect_one_line([&] { s2nnds::make_demonstrations(s2nnds::read_ds_opt(path)); });
   return 0;
 }
