@@ -78,7 +78,9 @@ def meaning(key, found, terms):
     struct = "Config"
     parts = key.split(".")
     for part in parts[:-1]:
-        if struct not in found or part not in found[struct]:
+        while part not in found.get(struct, {}) and "base" in found.get(struct, {}):
+            struct = found[struct]["base"][0]
+        if part not in found.get(struct, {}):
             return ""
         struct = found[struct][part][0].split("::")[-1]
     if struct == "LossOptions" and parts[-1] in terms:

@@ -38,7 +38,7 @@ std::vector<std::string> names_in(const std::vector<std::string_view>& cells) {
 }
 
 bool any_number(const std::vector<std::string_view>& cells) {
-  return std::any_of(cells.begin(), cells.end(), [](std::string_view cell) { return is_number(cell); });
+  return std::any_of(cells.begin(), cells.end(), [](std::string_view cell) { return reads_as_number(cell); });
 }
 
 // 0, 1, 2, ...: the names that pandas gives to columns without names.
@@ -112,7 +112,7 @@ std::string shown(std::string_view cell) {
   return cell.size() > 40 ? text + "..." : text;
 }
 
-bool is_number(std::string_view cell) {
+bool reads_as_number(std::string_view cell) {
   if (cell.starts_with('+') || cell.starts_with('-')) cell.remove_prefix(1);
   double value = 0;
   std::string point(cell);

@@ -57,6 +57,6 @@ struct TextHeader {
 TextHeader read_text_header(std::string_view text, const std::string& delimiter, const std::string& path);
 
 // Whether a cell is a number, nan and inf included.
-bool is_number(std::string_view cell);
+bool reads_as_number(std::string_view cell);
 
 }  // namespace s2nnds
