@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Several obstacles: kinesthetic pick-and-place demonstrations in 3-D with three balls beside the motion, and
-// a planar motion past three balls (0.06 at (0.25, -0.2), (0.8, -0.2), (0.5, -0.55), normalised) from files
-// as the robot records them: CSV, `time,x,y,dx,dy`, a row a millisecond, in metres. The robot's own
+// a planar motion past three balls (0.03 m at (0.575, 0), (0.85, 0), (0.7, -0.175) m) from files as the robot
+// records them: CSV, `time,x,y,dx,dy`, a row a millisecond, in metres. The robot's own
 // recordings are not public; the five files are made here and written to OUT/recordings.
 //
 // Expected: every seed of both motions `invariant`.

@@ -79,7 +79,7 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
     centre = np.array([-0.35, -0.45, 0.25, 0.0, 0.0, 0.0, 0.0])[:n]
     with h5py.File(path, "w") as file:
         file.attrs.update(
-            schema_version=2,
+            schema_version=3,
             program_version="0.1.0",
             library_versions="none",
             seed=3,
@@ -91,17 +91,18 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
         config.create_group("values").attrs.update({"training.rounds": rounds, "problem.workspace": 1.25})
         data = file.create_group("data")
         data.attrs.update(
-            position_scale=46.25, velocity_scale=120.0, normalization="max_abs", unit="mm", dimension=n
+            position_scale=46.25, velocity_scale=120.0, normalization="max_abs", unit="mm", dimension=n, frame_name="base"
         )
         data["train"], data["test"] = [0, 1, 2, 3, 4], [5, 6]
         goals = data["goals"] = np.arange(100.0, 100.0 + 7 * n).reshape(7, n)
+        data["goal"] = goals[()].mean(axis=0)
         for k in range(7):
             group = data.create_group(f"demonstrations/{k}")
             time, position, velocity = demonstration(n, k)
             group["time"], group["position"] = time + 5.0, goals[k] + 46.25 * position
             group["velocity"] = 120.0 * velocity
         problem = file.create_group("problem")
-        problem.attrs.update(unsafe="ball", initial="box", containment=0.97, level_band=0.02)
+        problem.attrs.update(frame="data", unsafe="ball", initial="box", containment=0.97, level_band=0.02)
         problem["workspace_lower"], problem["workspace_upper"] = np.full(n, -1.25), np.full(n, 1.25)
         history = file.create_group("history")
         history["round"] = np.arange(1, rounds + 1)
@@ -294,6 +295,7 @@ class ReaderTest(TemporaryFolder):
         self.assertEqual(run.config["problem.workspace"], 1.25)
         self.assertIn("seed = 3", run.config_resolved)
         self.assertEqual((run.data.unit, run.data.position_scale, run.data.test), ("mm", 46.25, [5, 6]))
+        self.assertEqual((run.data.frame_name, run.problem.frame), ("base", "data"))
         self.assertEqual(len(run.data.demonstrations), 7)
         time, position, velocity = demonstration(2, 4)
         as_read, normalized = run.data.demonstrations[4], run.data.normalized[4]
@@ -337,6 +339,18 @@ class ReaderTest(TemporaryFolder):
             np.testing.assert_allclose(again.position, normalized.position, atol=1e-12)
         np.testing.assert_array_equal(run.problem.workspace_upper, [1.25, 1.25])  # the run itself stays
 
+    def test_the_policy_speaks_the_datas_frame(self):
+        synthetic_run(self.path("run.h5"))
+        run = Run(self.path("run.h5"))
+        z = np.array([[0.5, -0.25], [0.0, 0.0], [1.3, 0.0]])
+        x = run.data.to_data(z)
+        np.testing.assert_allclose(run.velocity(x), 120.0 * run.f(z), atol=1e-12)
+        np.testing.assert_allclose(run.lyapunov(x), run.V(z), atol=1e-12)
+        np.testing.assert_allclose(run.barrier(x), run.B(z), atol=1e-12)
+        np.testing.assert_array_equal(run.safe(x), (run.B(z) <= 0.0) & [True, True, False])
+        self.assertEqual(run.velocity(x[0]).shape, (2,))
+        self.assertIsInstance(bool(run.safe(x[0])), bool)
+
     def test_a_missing_bias_is_zero(self):
         synthetic_run(self.path("run.h5"))
         V = random_network(np.random.default_rng(5), 2, 1, "elu", bias=False)
@@ -373,7 +387,7 @@ class ReaderTest(TemporaryFolder):
 
             return change
 
-        self.bad("schema_version: found 9, expected 2", lambda file: file.attrs.modify("schema_version", 9))
+        self.bad("schema_version: found 9, expected 3", lambda file: file.attrs.modify("schema_version", 9))
         self.bad("/networks: missing", lambda file: file.__delitem__("networks"))
         self.bad("weight_1", replace("networks/V/weight_1", np.zeros((5, 9))))
         self.bad("bias_0.*expected", replace("networks/B/bias_0", np.zeros(3)))

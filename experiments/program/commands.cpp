@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -20,6 +21,7 @@
 #include "s2nnds/runs/summary.h"
 #include "s2nnds/runs/threads.h"
 #include "s2nnds/runs/training_run.h"
+#include "s2nnds/runs/user_units.h"
 #include "s2nnds/runs/verification_run.h"
 #include "writable.h"
 
@@ -36,8 +38,10 @@ void report(const RunRecord& record, const std::string& path, const CommonArgume
 using nlohmann::ordered_json;
 
 // The errors of each demonstration of a split, one line each; the same for --json.
-ordered_json report_demonstrations(const PreparedRun& setup, const NetworkWeights& f,
+ordered_json report_demonstrations(const PreparedRun& setup, const RunRecord& record,
                                    const std::string& split) {
+  const NetworkWeights& f = record.networks.f;
+  const UserUnits units(record);
   const std::vector<std::int64_t>& members = split == "train"  ? setup.data.split.train
                                              : split == "test" ? setup.data.split.test
                                                                : setup.data.split.validation;
@@ -45,8 +49,10 @@ ordered_json report_demonstrations(const PreparedRun& setup, const NetworkWeight
   for (const std::int64_t k : members) {
     const Demonstration& demonstration = setup.demonstrations[static_cast<std::size_t>(k)];
     const MotionErrors errors = motion_errors(f, {demonstration}, setup.config.evaluation.rollout);
-    fmt::print("  demonstration {} ({}): mse {:.4g}, sd {:.4g}, dtw {:.4g} (normalised units)\n", k, split,
-               errors.mse, errors.sd, errors.dtw);
+    fmt::print(
+        "  demonstration {} ({}): velocity RMS {}, motion DTW {}{}\n", k, split,
+        units.speed(std::sqrt(errors.mse)), units.length(errors.dtw),
+        units.in_data() ? "" : fmt::format("; mse {:.4g}, sd {:.4g} (normalised)", errors.mse, errors.sd));
     rows.push_back({{"demonstration", k},
                     {"split", split},
                     {"mse", errors.mse},
@@ -123,10 +129,12 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
   TrainingHooks hooks;
   hooks.progress = print_round;
   hooks.checkpoint = [&](const RunRecord& record) { save_run(start.path, record); };
+  spdlog::info("{}", frame_line(start.record));
   const TrainerSummary summary = s2nnds::train(start.setup, start.record, hooks);
   if (summary.left_out_samples > 0) {
     spdlog::warn("{} demonstration samples within {} of the unsafe set were left out of the fit",
-                 summary.left_out_samples, start.setup.config.training.obstacle_margin);
+                 summary.left_out_samples,
+                 UserUnits(start.record).length(start.setup.config.training.obstacle_margin));
   }
   verify_as_configured(start.setup, start.record, proof_printer());
   s2nnds::evaluate(start.setup, start.record);
@@ -148,7 +156,7 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   const Method method = enum_from<Method>(arguments.method);
   s2nnds::verify(setup, record, method, options, proof_printer());
   save_run(arguments.run, record);
-  fmt::print("{}", condition_tables(record.certificate));
+  fmt::print("{}", condition_tables(record));
   report(record, arguments.run, common);
   for (const ConditionVerdict& found : record.certificate.conditions) {
     const Verdict wanted = method == Method::proof ? Verdict::proved : Verdict::passed;
@@ -167,7 +175,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
   fmt::print("{}", first_screen(record, arguments.run));
   ordered_json demonstrations = ordered_json::array();
   for (const std::string& split : arguments.splits) {
-    for (ordered_json& row : report_demonstrations(setup, record.networks.f, split))
+    for (ordered_json& row : report_demonstrations(setup, record, split))
       demonstrations.push_back(std::move(row));
   }
   if (common.json) {

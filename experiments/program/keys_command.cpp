@@ -48,6 +48,12 @@ class KeyCollector final : public FieldVisitor {
   void field(std::string_view name, std::vector<std::vector<double>>& value, Range range) override {
     add(name, fmt::format("{}", value), "list of lists, each " + range.describe());
   }
+  void field(std::string_view name, WordOrNumbers& value, const std::vector<std::string>& words) override {
+    add(name,
+        value.word.empty() ? fmt::format("[{}]", fmt::join(value.numbers, ", "))
+                           : fmt::format("\"{}\"", value.word),
+        fmt::format("{}, or list of numbers", fmt::join(words, ", ")));
+  }
 
   const std::vector<Key>& keys() const { return keys_; }
 

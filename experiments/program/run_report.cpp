@@ -11,6 +11,7 @@
 
 #include "s2nnds/runs/statement.h"
 #include "s2nnds/runs/threads.h"
+#include "s2nnds/runs/user_units.h"
 
 namespace s2nnds::program {
 namespace {
@@ -57,12 +58,38 @@ std::string aligned(const Rows& rows) {
   return text;
 }
 
-std::string units(const RunData& data) {
-  if (data.frame.unit.empty())
-    return fmt::format("1 normalised = {} (length), {} (velocity) of the data",
-                       number(data.frame.position_scale), number(data.frame.velocity_scale));
-  return fmt::format("1 normalised = {} {} (length), {} {}/s (velocity)", number(data.frame.position_scale),
-                     data.frame.unit, number(data.frame.velocity_scale), data.frame.unit);
+std::string scales(const RunRecord& record) {
+  const std::string unit = UserUnits(record).name();
+  return fmt::format("1 normalised = {} {} (length), {} {}/s (velocity)",
+                     number(record.data.frame.position_scale), unit, number(record.data.frame.velocity_scale),
+                     unit);
+}
+
+// How far each demonstration ends from the goal; what is only rounding is 0.
+Vector end_distances(const RunData& data) {
+  const Vector found = data.frame.end_distances(data.demonstrations);
+  return (found.array() < 1e-6 * data.frame.position_scale).select(0.0, found);
+}
+
+// "0.2 mm", "0.1 to 0.3 mm"
+std::string range_of(const Vector& lengths, const std::string& unit) {
+  const std::string low = number(lengths.minCoeff()), high = number(lengths.maxCoeff());
+  return low == high ? fmt::format("{} {}", low, unit) : fmt::format("{} to {} {}", low, high, unit);
+}
+
+std::string goal(const RunRecord& record) {
+  const Frame& frame = record.data.frame;
+  return fmt::format("{}{}; demonstrations end {} from it{}", frame.position_text(frame.goal),
+                     frame.name.empty() ? "" : " in " + frame.name,
+                     range_of(end_distances(record.data), UserUnits(record).name()),
+                     frame.moves_demonstrations() ? ", each was moved to end there" : "");
+}
+
+// The words of a set as the configuration wrote it, with their unit.
+std::string set(const std::string& words, const RunRecord& record) {
+  if (words == "none") return words;
+  const UserUnits units(record);
+  return fmt::format("{} ({})", words, units.in_data() ? units.name() : "normalised");
 }
 
 Rows error_rows(const RunRecord& record) {
@@ -70,35 +97,29 @@ Rows error_rows(const RunRecord& record) {
   const auto in_unit = [](double value, double scale) { return number(value * scale); };
   const double velocity = record.data.frame.velocity_scale;
   const double position = record.data.frame.position_scale;
-  const std::string unit = record.data.frame.unit.empty() ? "unit of the data" : record.data.frame.unit;
-  return {
-      {"errors", "train", "test"},
-      {"velocity, MSE (normalised)", number(e.mse_train), number(e.mse_test)},
-      {fmt::format("velocity, RMS [{}/s]", unit), in_unit(std::sqrt(e.mse_train), velocity),
-       in_unit(std::sqrt(e.mse_test), velocity)},
-      {"motion, DTW (normalised)", number(e.dtw_train), number(e.dtw_test)},
-      {fmt::format("motion, DTW [{}]", unit), in_unit(e.dtw_train, position), in_unit(e.dtw_test, position)}};
+  const UserUnits units(record);
+  Rows rows = {{"errors", "train", "test"},
+               {fmt::format("velocity, RMS [{}/s]", units.name()), in_unit(std::sqrt(e.mse_train), velocity),
+                in_unit(std::sqrt(e.mse_test), velocity)},
+               {fmt::format("motion, DTW [{}]", units.name()), in_unit(e.dtw_train, position),
+                in_unit(e.dtw_test, position)}};
+  if (units.in_data()) return rows;
+  rows.push_back({"velocity, MSE (normalised)", number(e.mse_train), number(e.mse_test)});
+  rows.push_back({"motion, DTW (normalised)", number(e.dtw_train), number(e.dtw_test)});
+  return rows;
 }
 
 std::string safe_area(const RunRecord& record) {
   const EvaluationSummary& e = record.evaluation;
   if (std::isnan(e.safe_area)) return "not measured";
-  const auto n = record.data.dimension;
-  const std::string absolute =
-      record.data.frame.unit.empty()
-          ? ""
-          : fmt::format(" ({} {}^{})", number(e.safe_area * std::pow(record.data.frame.position_scale, n)),
-                        record.data.frame.unit, n);
-  return fmt::format("{} normalised{}, {:.1f} % of what is truly safe", number(e.safe_area), absolute,
+  return fmt::format("{}, {:.1f} % of what is truly safe", UserUnits(record).volume(e.safe_area),
                      100.0 * e.safe_area_ratio);
 }
 
 std::string disturbance(const RunRecord& record) {
   const Certificate& c = record.certificate;
   if (!(c.disturbance_margin > 0.0)) return "not certified";
-  const double scale = record.data.frame.velocity_scale;
-  return fmt::format("|w| <= {} {}/s ({} normalised); float32 {}", number(scale * c.disturbance_margin),
-                     record.data.frame.unit, number(c.disturbance_margin),
+  return fmt::format("|w| <= {}; float32 {}", UserUnits(record).speed(c.disturbance_margin),
                      c.float32_error < c.disturbance_margin ? "is covered" : "is NOT covered");
 }
 
@@ -128,13 +149,16 @@ Rows sample_rows(Method method, const Certificate& certificate) {
   return rows;
 }
 
-Rows proof_rows(const Certificate& certificate) {
+Rows proof_rows(const RunRecord& record) {
+  const Certificate& certificate = record.certificate;
+  const UserUnits units(record);
   Rows rows = {{"proof", "verdict", "boxes", "open", "open volume", "violated at"}};
   for (const ConditionVerdict& v : certificate.conditions) {
     if (v.method != Method::proof) continue;
     rows.push_back({std::string(to_string(v.condition)), std::string(to_string(v.verdict)),
-                    std::to_string(v.boxes), std::to_string(v.open_boxes), number(v.open_volume),
-                    v.witness.empty() ? "" : fmt::format("({:.4g})", fmt::join(v.witness, ", "))});
+                    std::to_string(v.boxes), std::to_string(v.open_boxes),
+                    v.open_volume > 0.0 ? units.volume(v.open_volume) : "0",
+                    v.witness.empty() ? "" : units.position(v.witness)});
   }
   if (rows.size() == 1) return rows;
   for (const auto& [name, value] : flatten(certificate.side))
@@ -164,18 +188,29 @@ std::string first_screen(const RunRecord& record, const std::string& path) {
          row("data", fmt::format("{} demonstrations in {} dimensions: {} train, {} test, {} validation",
                                  data.demonstrations.size(), data.dimension, data.split.train.size(),
                                  data.split.test.size(), data.split.validation.size())) +
-         row("units", units(data)) + row("unsafe set", record.problem.unsafe) +
-         row("initial set", record.problem.initial) + "\n" + aligned(error_rows(record)) + "\n" +
+         row("goal", goal(record)) + row("workspace", UserUnits(record).workspace()) +
+         row("unsafe set", set(record.problem.unsafe, record)) +
+         row("initial set", set(record.problem.initial, record)) + "\n" + aligned(error_rows(record)) + "\n" +
          row("safe area", safe_area(record)) + row("disturbance", disturbance(record)) +
          row("time", time(record)) + row("run file", path);
 }
 
-std::string condition_tables(const Certificate& certificate) {
+std::string condition_tables(const RunRecord& record) {
   std::string text;
-  for (const Rows& rows : {sample_rows(Method::sampled, certificate),
-                           sample_rows(Method::conformal, certificate), proof_rows(certificate)})
+  for (const Rows& rows : {sample_rows(Method::sampled, record.certificate),
+                           sample_rows(Method::conformal, record.certificate), proof_rows(record)})
     if (rows.size() > 1) text += aligned(rows) + "\n";
   return text;
+}
+
+std::string frame_line(const RunRecord& record) {
+  const Frame& frame = record.data.frame;
+  std::vector<std::string> ends;
+  for (const double distance : end_distances(record.data)) ends.push_back(number(distance));
+  return fmt::format("goal {}{}; demonstrations end {} {} from it{}; {}", frame.position_text(frame.goal),
+                     frame.name.empty() ? "" : " in " + frame.name, fmt::join(ends, ", "),
+                     UserUnits(record).name(),
+                     frame.moves_demonstrations() ? ", and each is moved to end there" : "", scales(record));
 }
 
 std::string details(const RunRecord& record) {
@@ -185,8 +220,8 @@ std::string details(const RunRecord& record) {
   std::string reading = record.data.report.empty() ? "" : "reading\n";
   for (const std::string& line : record.data.report) reading += fmt::format("  {}\n", line);
   return reading + "statement\n" + paragraph(record.certificate.statement) + "\nconditions\n" +
-         condition_tables(record.certificate) + "configuration\n" + values + "\nlast rounds\n" +
-         aligned(history_rows(record)) + "\n" +
+         condition_tables(record) + "configuration\n" + values + "\nlast rounds\n" +
+         aligned(history_rows(record)) + "\n" + row("scales", scales(record)) +
          row("weights", fmt::format("SHA-256 {}", weight_hash(record.networks))) +
          row("written", fmt::format("{} by version {}, schema {}", record.created, record.program_version,
                                     run_schema_version)) +

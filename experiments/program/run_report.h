@@ -7,12 +7,15 @@
 
 namespace s2nnds::program {
 
-// What a run reached, on one screen: guarantee, units, errors, safe area, disturbance margin, time. `path` is
+// Where the goal lies, how far every demonstration ends from it, and what one normalised unit is: one line.
+std::string frame_line(const RunRecord& record);
+
+// What a run reached, on one screen: guarantee, goal, sets, errors, safe area, disturbance margin, time. `path` is
 // where it is stored. At most 24 lines.
 std::string first_screen(const RunRecord& record, const std::string& path);
 
 // The verdicts on all conditions, one table a method.
-std::string condition_tables(const Certificate& certificate);
+std::string condition_tables(const RunRecord& record);
 
 // All else that is worth reading: statement, conditions, configuration, the last rounds, hashes, versions.
 std::string details(const RunRecord& record);

@@ -119,6 +119,13 @@ void check_bound(const std::string& where, const std::string& name, const std::s
   fail("{}{}: expected one of {}, found {}{}", where, name, joined(choices), string_text(value),
        guess ? fmt::format("; did you mean {}?", *guess) : "");
 }
+void check_bound(const std::string& where, const std::string& name, const WordOrNumbers& value,
+                 const std::vector<std::string>& words) {
+  if (!value.word.empty()) return check_bound(where, name, value.word, words);
+  check(!value.numbers.empty(), "{}{}: expected one of {}, or a list of numbers, found an empty list", where,
+        name, joined(words));
+  for (const double number : value.numbers) check_bound(where, name, number, any_number());
+}
 
 // Of a list, each element; where(i) says where it stands, where(0) as well where a single value stands.
 template <typename T, typename Bound, typename Where>
@@ -152,6 +159,8 @@ constexpr std::string_view expected_type<double> = "a number";
 template <>
 constexpr std::string_view expected_type<std::string> = "a string";
 template <>
+constexpr std::string_view expected_type<WordOrNumbers> = "a string or a list of numbers";
+template <>
 constexpr std::string_view expected_type<std::vector<double>> = "a list of numbers";
 template <>
 constexpr std::string_view expected_type<std::vector<std::int64_t>> = "a list of integers";
@@ -175,8 +184,9 @@ class TomlReader final : public UniformVisitor<TomlReader, NamedVisitor> {
     const toml::node* node = read(name, value);
     if (node == nullptr) return;
     const toml::array* array = node->as_array();
-    check_value(name_of(name), value, bound,
-                [&](std::size_t i) { return where(array != nullptr ? (*array)[i] : *node); });
+    check_value(name_of(name), value, bound, [&](std::size_t i) {
+      return where(array != nullptr && i < array->size() ? (*array)[i] : *node);
+    });
   }
 
  protected:
@@ -265,13 +275,31 @@ class TomlReader final : public UniformVisitor<TomlReader, NamedVisitor> {
     const toml::array* array = node->as_array();
     check(array != nullptr, "{}{}: expected {}, found {}", where(*node), name_of(name),
           expected_type<std::vector<T>>, found(*node));
-    values.assign(array->size(), T{});
+    read_elements(name, *array, values);
+    return node;
+  }
+
+  const toml::node* read(std::string_view name, WordOrNumbers& value) {
+    const toml::node* node = find(name);
+    if (node == nullptr) return nullptr;
+    value = {};
+    if (const toml::array* array = node->as_array()) {
+      read_elements(name, *array, value.numbers);
+    } else {
+      check(convert(*node, value.word), "{}{}: expected {}, found {}", where(*node), name_of(name),
+            expected_type<WordOrNumbers>, found(*node));
+    }
+    return node;
+  }
+
+  template <typename T>
+  void read_elements(std::string_view name, const toml::array& array, std::vector<T>& values) {
+    values.assign(array.size(), T{});
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const toml::node& element = (*array)[i];
+      const toml::node& element = array[i];
       check(convert(element, values[i]), "{}{}[{}]: expected {}, found {}", where(element), name_of(name), i,
             expected_type<T>, found(element));
     }
-    return node;
   }
 
   void check_table(const toml::table& table, const std::string& prefix) const {
@@ -312,12 +340,17 @@ class TomlReader final : public UniformVisitor<TomlReader, NamedVisitor> {
   std::map<std::string, std::vector<std::string>> known_;  // names of fields and groups, by dotted prefix
 };
 
+std::string text_of(const auto& value) { return toml_text(value); }
+std::string text_of(const WordOrNumbers& value) {
+  return value.word.empty() ? toml_text(value.numbers) : toml_text(value.word);
+}
+
 // Visits every field as a pair of a name and a value's text.
 class TextVisitor : public UniformVisitor<TextVisitor, NamedVisitor> {
  public:
   template <typename T, typename Bound>
   void each(std::string_view name, const T& value, const Bound&) {
-    put(name, toml_text(value));
+    put(name, text_of(value));
   }
 
  protected:
@@ -340,6 +373,10 @@ class TomlTextVisitor : public TextVisitor {
       for (const double number : row) check_number(name, number);
     }
     TextVisitor::field(name, value, range);
+  }
+  void field(std::string_view name, WordOrNumbers& value, const std::vector<std::string>& words) override {
+    for (const double number : value.numbers) check_number(name, number);
+    TextVisitor::field(name, value, words);
   }
 
  private:
@@ -435,6 +472,9 @@ class Flattener final : public TextVisitor {
   void field(std::string_view name, std::string& value, const std::vector<std::string>&) override {
     put(name, value);  // without quotes
   }
+  void field(std::string_view name, WordOrNumbers& value, const std::vector<std::string>&) override {
+    put(name, value.word.empty() ? text_of(value) : value.word);
+  }
   std::vector<std::pair<std::string, std::string>> entries;
 
  protected:
@@ -454,7 +494,12 @@ class JsonWriter final : public UniformVisitor<JsonWriter> {
 
   template <typename T, typename Bound>
   void each(std::string_view name, const T& value, const Bound&) {
-    at(name) = value;  // numbers that are not finite are dumped as null
+    if constexpr (std::is_same_v<T, WordOrNumbers>) {
+      if (value.word.empty()) return each(name, value.numbers, NoBound{});
+      return each(name, value.word, NoBound{});
+    } else {
+      at(name) = value;  // numbers that are not finite are dumped as null
+    }
   }
 
  protected:

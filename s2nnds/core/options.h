@@ -31,6 +31,14 @@ inline Range inside(double low, double high) {
 }
 inline Range any_number() { return {}; }  // infinite values allowed, NaN not
 
+// The value of a field that takes one of a few words or a list of numbers: "mean", [0.5, 0.2].
+struct WordOrNumbers {
+  std::string word;                  // empty where the numbers count
+  std::vector<double> numbers = {};  // count where there is no word
+
+  bool operator==(const WordOrNumbers&) const = default;  // both alike
+};
+
 class StructList;
 
 // Options are structs with a default beside every field and one member `void visit(FieldVisitor&)` that names
@@ -54,6 +62,8 @@ class FieldVisitor {
   virtual void field(std::string_view name, std::vector<std::string>& value) = 0;  // any texts
   // Lists of numbers, such as points, each number in `range`.
   virtual void field(std::string_view name, std::vector<std::vector<double>>& value, Range range) = 0;
+  // One of `words`, or numbers.
+  virtual void field(std::string_view name, WordOrNumbers& value, const std::vector<std::string>& words) = 0;
 
   // Options within options: their fields have keys "name.key".
   template <typename T>
@@ -132,6 +142,10 @@ class UniformVisitor : public Base {
   // With the range of every number.
   void field(std::string_view name, std::vector<std::vector<double>>& value, Range range) override {
     self().each(name, value, range);
+  }
+  // With the words.
+  void field(std::string_view name, WordOrNumbers& value, const std::vector<std::string>& words) override {
+    self().each(name, value, words);
   }
 
  private:

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/data/frame.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "s2nnds/core/check.h"
@@ -13,6 +16,56 @@ double scale_of(const std::string& normalization, const Points& points) {
 }
 
 bool is_scale(double value) { return value > 0.0 && std::isfinite(value); }
+
+// The last positions: [K, n].
+Points ends_of(const std::vector<Demonstration>& demonstrations, Eigen::Index dimension) {
+  Points ends(static_cast<Eigen::Index>(demonstrations.size()), dimension);
+  for (Eigen::Index k = 0; k < ends.rows(); ++k) {
+    ends.row(k) = demonstrations[static_cast<std::size_t>(k)].position.bottomRows(1);
+  }
+  return ends;
+}
+
+// Of equal rows their value, bit for bit.
+Vector mean_row(const Points& rows) {
+  const Eigen::RowVectorXd first = rows.row(0);
+  return (first + (rows.rowwise() - first).colwise().mean()).transpose();
+}
+
+Vector goal_of(const WordOrNumbers& goal, const Points& ends) {
+  if (!goal.word.empty()) {
+    check(goal.word == "mean" || goal.word == "each",
+          "data.goal: found \"{}\"; expected mean, each or a point such as [0.5, 0.2]", goal.word);
+    return mean_row(ends);
+  }
+  check(std::ssize(goal.numbers) == ends.cols(),
+        "data.goal: found {} coordinates; expected {} as the positions", goal.numbers.size(), ends.cols());
+  const Vector point = Eigen::Map<const Vector>(goal.numbers.data(), ends.cols());
+  check(point.allFinite(), "data.goal: found ({}); expected finite coordinates",
+        fmt::join(goal.numbers, ", "));
+  return point;
+}
+
+// Only where no demonstration is moved: each must end at the goal, or the motion that is learned would not
+// be the one that was shown.
+void check_ends(Frame frame, const DemonstrationSet& as_read, bool named) {
+  const Points all = stack_positions(as_read.demonstrations);
+  const double extent = (all.colwise().maxCoeff() - all.colwise().minCoeff()).maxCoeff();
+  Eigen::Index farthest = 0;
+  const double distance = frame.end_distances(as_read.demonstrations).maxCoeff(&farthest);
+  if (distance <= largest_end_share * extent) return;
+  const std::string unit = frame.unit.empty() ? "" : " " + frame.unit;
+  frame.position_scale = extent;  // says how many digits are shown
+  fail(
+      "data.goal: demonstration {} ends {:.4g}{} from the goal {}, {}: found {:.0f} % of the "
+      "motion's "
+      "extent of {:.4g}{}, expected at most {:.0f} %; choose data.goal = \"each\" (moves every demonstration "
+      "to "
+      "end at one goal), a point for data.goal, or the demonstrations that end there (data.use)",
+      farthest, distance, unit, frame.position_text(frame.goal),
+      named ? "which data.goal names" : "the mean of all ends", 100.0 * distance / extent, extent, unit,
+      100.0 * largest_end_share);
+}
 
 }  // namespace
 
@@ -31,6 +84,36 @@ std::vector<Demonstration> Frame::normalize(const std::vector<Demonstration>& as
   return normalized;
 }
 
+Points Frame::to_data(const Points& normalised) const {
+  return (position_scale * normalised).rowwise() + goal.transpose();
+}
+
+Vector Frame::to_data(const Vector& normalised) const { return goal + position_scale * normalised; }
+
+std::string Frame::position_text(const Vector& position, Rounding rounding) const {
+  // Tens above, since 10^-k is no double.
+  const double places = 5.0 - std::floor(std::log10(position_scale));
+  const double finer = std::pow(10.0, std::max(places, 0.0)),
+               coarser = std::pow(10.0, std::max(-places, 0.0));
+  std::vector<double> shown;
+  for (const double coordinate : position) {
+    const double steps = coordinate * finer / coarser;
+    const double whole = rounding == Rounding::nearest ? std::round(steps)
+                         : rounding == Rounding::up    ? std::ceil(steps)
+                                                       : std::floor(steps);
+    shown.push_back(whole * coarser / finer + 0.0);  // no -0
+  }
+  return fmt::format("({}){}{}", fmt::join(shown, ", "), unit.empty() ? "" : " ", unit);
+}
+
+Vector Frame::end_distances(const std::vector<Demonstration>& as_read) const {
+  return (ends_of(as_read, goal.size()).rowwise() - goal.transpose()).rowwise().norm();
+}
+
+bool Frame::moves_demonstrations() const {
+  return (goals.array() != goal.transpose().replicate(goals.rows(), 1).array()).any();
+}
+
 void Frame::check(std::size_t count, Eigen::Index dimension, const std::string& where) const {
   s2nnds::check(is_scale(position_scale) && is_scale(velocity_scale),
                 "{}: found position_scale {} and velocity_scale {}, expected numbers > 0", where,
@@ -38,18 +121,22 @@ void Frame::check(std::size_t count, Eigen::Index dimension, const std::string& 
   s2nnds::check(goals.rows() == static_cast<Eigen::Index>(count) && goals.cols() == dimension,
                 "{}: found goals [{}, {}], expected [{}, {}]", where, goals.rows(), goals.cols(), count,
                 dimension);
-  s2nnds::check(goals.allFinite(), "{}: found a goal that is NaN or infinite, expected finite numbers",
-                where);
+  s2nnds::check(goal.size() == dimension, "{}: found a goal of {} coordinates, expected {}", where,
+                goal.size(), dimension);
+  s2nnds::check(goal.allFinite() && goals.allFinite(),
+                "{}: found a goal that is NaN or infinite, expected finite numbers", where);
 }
 
-Frame find_frame(const DemonstrationSet& as_read, const std::string& normalization) {
+Frame find_frame(const DemonstrationSet& as_read, const std::string& normalization,
+                 const WordOrNumbers& goal) {
   check(normalization == "max_abs" || normalization == "max_norm",
         "normalization: found '{}'; expected max_abs or max_norm", normalization);
-  const auto count = static_cast<Eigen::Index>(as_read.demonstrations.size());
-  Frame frame{.unit = as_read.unit, .normalization = normalization, .goals = {}};
-  frame.goals.resize(count, as_read.dimension());
-  for (Eigen::Index k = 0; k < count; ++k) {
-    frame.goals.row(k) = as_read.demonstrations[static_cast<std::size_t>(k)].position.bottomRows(1);
+  const Points ends = ends_of(as_read.demonstrations, as_read.dimension());
+  Frame frame{.unit = as_read.unit, .name = {}, .normalization = normalization, .goal = {}, .goals = ends};
+  frame.goal = goal_of(goal, ends);
+  if (goal.word != "each") {
+    check_ends(frame, as_read, goal.word.empty());
+    frame.goals.rowwise() = frame.goal.transpose();
   }
   const std::vector<Demonstration> from_goal = frame.normalize(as_read.demonstrations);  // scales of 1
   frame.position_scale = scale_of(normalization, stack_positions(from_goal));

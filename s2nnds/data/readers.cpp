@@ -108,6 +108,8 @@ void DataOptions::visit(FieldVisitor& v) {
   }
   v.group("cleaning", cleaning);
   v.field("stride", stride, at_least(1));
+  v.field("goal", goal, {"mean", "each"});
+  v.field("frame_name", frame_name);
   v.field("normalization", normalization, {"max_abs", "max_norm"});
   v.field("use", use, at_least(0));
   v.field("test", test, at_least(kTestByShare));

@@ -34,6 +34,10 @@ struct DataOptions : TableOptions {
   std::string time_unit = "auto";  // of times in the files: s, ms, us, ns; auto: recognised, and reported
   std::int64_t stride = 1;         // >= 1: keep every stride-th sample (and the last one)
   std::string unit;  // csv, npy, hdf5: of length in the files: m, mm, cm, rad, deg or another text
+  // Where the motion's goal lies: "mean" (of the demonstrations' ends), or a point [n] in `unit`, both of which
+  // leave the demonstrations where they are; or "each": every demonstration is moved to end at the mean.
+  WordOrNumbers goal = {"mean"};
+  std::string frame_name;  // of the frame of the positions ("base_link"), for reports and exports
   std::string normalization = "max_abs";  // scales by the largest coordinate (max_abs) or norm (max_norm)
   std::vector<std::int64_t> use;  // demonstrations to use at all, from 0, in this order; empty: every one
   // Held out, counted from 0 among those in use. [-1]: the last fifth of them, none of fewer than four.

@@ -260,12 +260,13 @@ template <typename Real>
 struct Normalised {{  // the networks' argument of the position x
   Real z[dimension];
   explicit Normalised(const double* x) noexcept {{
-    for (int i = 0; i < dimension; ++i) z[i] = static_cast<Real>(x[i] / position_scale);
+    for (int i = 0; i < dimension; ++i) z[i] = static_cast<Real>((x[i] - goal[i]) / position_scale);
   }}
 }};
 }}  // namespace detail
 
-// v [dimension] = the velocity at the position x [dimension], goal-centred, in `unit` and `unit` per second.
+// v [dimension] = the velocity, in `unit` per second, at the position x [dimension], in `unit` and in the frame of
+// the demonstrations, where the goal is at `goal`.
 inline void velocity(const double* x, double* v) noexcept {{
   {0} y[dimension];
   detail::f(detail::Normalised<{0}>(x).z, y);

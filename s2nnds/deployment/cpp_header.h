@@ -22,14 +22,14 @@ std::string policy_namespace(const std::string& path);
 
 // The policy as one C++17 header for control loops: no dependency but the standard library, no allocation, no
 // exception, no global state but constants. In the namespace `space`:
-// - `velocity(x, v)`, `lyapunov(x)`, `barrier(x)`, `safe(x)` with x [n] a position in the data's unit,
-//   goal-centred, and v [n] in that unit per second: f, V, B and {B <= 0} within the workspace. NaN
+// - `velocity(x, v)`, `lyapunov(x)`, `barrier(x)`, `safe(x)` with x [n] a position in the data's unit
+//   and frame, and v [n] in that unit per second: f, V, B and {B <= 0} within the workspace. NaN
 //   in gives NaN (and not safe) out. V and B are computed in double whatever the precision, so that `safe`
 //   decides as the certified barrier does but for rounding in double (some 1e-14 of B);
 // - constants: `precision` and every field of PolicyInfo.
 //
 // Loops are written for the vector registers of GCC and Clang (SSE2 to AVX-512, NEON) as the flags allow, and
-// run one by one elsewhere. f(0) = 0 exactly for zero_at_origin networks. Throws Error if a weight of f is
+// run one by one elsewhere. The velocity at the goal is 0 exactly for zero_at_origin networks. Throws Error if a weight of f is
 // beyond the precision's range.
 std::string cpp_header(const Policy& policy, HeaderPrecision precision, const std::string& space);
 

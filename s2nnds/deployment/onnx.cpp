@@ -26,6 +26,14 @@ class GraphBuilder {
     return tensor.name();
   }
   std::string constant(double value) { return constant({static_cast<float>(value)}, {}); }
+  std::string constant_double(const std::vector<double>& values) {
+    onnx::TensorProto& tensor = *graph_.add_initializer();
+    tensor.set_data_type(onnx::TensorProto::DOUBLE);
+    tensor.add_dims(std::ssize(values));
+    for (const double value : values) tensor.add_double_data(value);
+    tensor.set_name(next_name());
+    return tensor.name();
+  }
 
   std::string axis_one() {
     onnx::TensorProto& tensor = *graph_.add_initializer();
@@ -109,7 +117,7 @@ std::string add_network(GraphBuilder& graph, const NetworkWeights& stack, const 
 void describe(onnx::ValueInfoProto& value, const std::string& name, std::int64_t columns) {
   value.set_name(name);
   onnx::TypeProto::Tensor& type = *value.mutable_type()->mutable_tensor_type();
-  type.set_elem_type(onnx::TensorProto::FLOAT);
+  type.set_elem_type(onnx::TensorProto::DOUBLE);
   type.mutable_shape()->add_dim()->set_dim_param("N");
   if (columns > 0) type.mutable_shape()->add_dim()->set_dim_value(columns);
 }
@@ -134,17 +142,22 @@ std::string onnx_model(const Policy& policy) {
   describe(*graph.add_output(), "lyapunov", 0);
   describe(*graph.add_output(), "barrier", 0);
   GraphBuilder builder(graph);
-  const std::string z = builder.node("Div", {"position", builder.constant(info.position_scale)});
-  const std::string f = add_network(builder, policy.networks.f, z);
-  builder.node("Mul", {f, builder.constant(info.velocity_scale)}, {}, "velocity");
+  // Positions come and results go in double, the networks compute in float: a position far from the origin keeps
+  // its digits until the goal is subtracted.
+  const auto cast = [&](const std::string& value, onnx::TensorProto::DataType type,
+                        const std::string& output = "") {
+    return builder.node("Cast", {value}, {{"to", type}}, output);
+  };
+  const std::string from_goal = builder.node("Sub", {"position", builder.constant_double(info.goal)});
+  const std::string scaled = builder.node("Div", {from_goal, builder.constant_double({info.position_scale})});
+  const std::string z = cast(scaled, onnx::TensorProto::FLOAT);
+  const std::string f = cast(add_network(builder, policy.networks.f, z), onnx::TensorProto::DOUBLE);
+  builder.node("Mul", {f, builder.constant_double({info.velocity_scale})}, {}, "velocity");
   for (const auto& [stack, name] :
        {std::pair(&policy.networks.V, "lyapunov"), std::pair(&policy.networks.B, "barrier")}) {
-    const std::string y = add_network(builder, *stack, z);
-    if (stack->head == Head::squared_norm) {
-      builder.node("Identity", {y}, {}, name);
-    } else {
-      builder.node("Squeeze", {y, builder.axis_one()}, {}, name);
-    }
+    std::string y = add_network(builder, *stack, z);
+    if (stack->head != Head::squared_norm) y = builder.node("Squeeze", {y, builder.axis_one()});
+    cast(y, onnx::TensorProto::DOUBLE, name);
   }
   info.visit([&](const char* name, const auto& value, const char*) {
     onnx::StringStringEntryProto& property = *model.add_metadata_props();

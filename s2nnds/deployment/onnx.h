@@ -8,12 +8,12 @@
 namespace s2nnds {
 
 // The bytes of an ONNX model (IR 7, operators of set 13):
-// - input: `position` [N, n] float, in the data's unit, goal-centred;
-// - outputs: `velocity` [N, n] in that unit per second, `lyapunov` [N], `barrier` [N];
+// - input: `position` [N, n] double, in the data's unit and frame;
+// - outputs, double: `velocity` [N, n] in that unit per second, `lyapunov` [N], `barrier` [N];
 // - metadata: every field of PolicyInfo by its name; lists are separated by ", ".
 //
 // A position is safe where barrier <= 0 and it lies in the workspace. Weights are float32, as they were
-// trained. Throws Error if a weight is beyond float's range.
+// trained, and so is what lies between the positions seen from the goal and the velocities. Throws Error if a weight is beyond float's range.
 std::string onnx_model(const Policy& policy);
 
 }  // namespace s2nnds

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/problem/interval.h"
 #include "s2nnds/verification/float32_error.h"
 
 namespace s2nnds {
@@ -18,15 +19,25 @@ Policy policy_of(const RunRecord& record) {
   PolicyInfo& info = policy.info;
   info.name = record.name;
   info.unit = frame.unit;
+  info.frame_name = frame.name;
   info.guarantee = to_string(certificate.guarantee);
   info.statement = certificate.statement;
+  const std::string normalised = record.problem.frame == "data" ? "" : "normalised: ";
+  info.unsafe_set = normalised + record.problem.unsafe;
+  info.initial_set = normalised + record.problem.initial;
   info.weight_hash = certificate.weight_hash.empty() ? weight_hash(record.networks) : certificate.weight_hash;
   info.dimension = record.data.dimension;
   info.position_scale = frame.position_scale;
   info.velocity_scale = frame.velocity_scale;
-  for (const Vector* corner : {&workspace.lower, &workspace.upper}) {
-    for (const double side : *corner) info.workspace.push_back(frame.position_scale * side);
-  }
+  info.goal.assign(frame.goal.begin(), frame.goal.end());
+  // Rounded inwards: what lies within these corners lies within those that were proved.
+  const auto in_data = [&](double side, Eigen::Index axis) {
+    return frame.goal[axis] + Interval(frame.position_scale) * Interval(side);
+  };
+  for (Eigen::Index i = 0; i < workspace.dimension(); ++i)
+    info.workspace.push_back(in_data(workspace.lower[i], i).upper);
+  for (Eigen::Index i = 0; i < workspace.dimension(); ++i)
+    info.workspace.push_back(in_data(workspace.upper[i], i).lower);
   info.disturbance_margin = frame.velocity_scale * certificate.disturbance_margin;
   info.convergence_radius = frame.position_scale * certificate.convergence_radius;
   const double error = certificate.float32_error > 0.0 ? certificate.float32_error
@@ -48,8 +59,11 @@ void check_policy(const Policy& policy) {
         B.input_dimension(), B.output_dimension(), n, n, n, n);
   check(std::ssize(info.workspace) == 2 * n, "policy: found a workspace of {} numbers, expected {}",
         info.workspace.size(), 2 * n);
-  check(std::all_of(info.workspace.begin(), info.workspace.end(), [](double x) { return std::isfinite(x); }),
-        "policy: found a workspace that is not finite");
+  check(std::ssize(info.goal) == n, "policy: found a goal of {} numbers, expected {}", info.goal.size(), n);
+  const auto is_finite = [](double x) { return std::isfinite(x); };
+  check(std::all_of(info.workspace.begin(), info.workspace.end(), is_finite) &&
+            std::all_of(info.goal.begin(), info.goal.end(), is_finite),
+        "policy: found a workspace or a goal that is not finite");
   check(info.position_scale > 0.0 && info.velocity_scale > 0.0 && std::isfinite(info.position_scale) &&
             std::isfinite(info.velocity_scale),
         "policy: found the scales {} and {}, expected finite and positive ones", info.position_scale,

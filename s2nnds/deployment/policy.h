@@ -10,20 +10,25 @@
 
 namespace s2nnds {
 
-// What an exported policy carries besides its networks. Positions, velocities and margins are in the data's
-// unit (of length, and per second), goal-centred. The networks compute in normalised coordinates z = x /
-// position_scale, and their velocity f(z) * velocity_scale is the data's: this is the only place that says
-// so.
+// What an exported policy carries besides its networks. Positions are the user's: in the data's unit and frame,
+// as the robot reports them; velocities and margins are in that unit (of length, and per second). The networks
+// compute in normalised coordinates z = (x - goal) / position_scale, and their velocity f(z) * velocity_scale is
+// the data's: this is the only place that says so. Exporters subtract in double, since single precision would
+// lose digits far from the origin.
 struct PolicyInfo {
   std::string name;                 // of the configuration
   std::string unit;                 // of length: "mm", "m"; "" when unknown
+  std::string frame_name;           // of the positions' frame: "base_link"; "" when not told
   std::string guarantee;            // "none", "sampled", "conformal", "proved" or "invariant"
   std::string statement;            // what holds, in words
+  std::string unsafe_set;           // Xu in words, as the configuration wrote it
+  std::string initial_set;          // X0 in words, as the configuration wrote it
   std::string weight_hash;          // SHA-256, in hexadecimal, of the networks that the guarantee speaks of
   std::int64_t dimension = 0;       // n
+  std::vector<double> goal;         // [n]
   double position_scale = 1.0;      // `unit` per normalised length, > 0
   double velocity_scale = 1.0;      // `unit` per second and normalised velocity, > 0
-  std::vector<double> workspace;    // [2 n]: lower corner, upper corner
+  std::vector<double> workspace;    // [2 n]: lower corner, upper corner, within what was proved
   double disturbance_margin = 0.0;  // certified for x' = velocity(x) + w, |w| <= this; 0: none
   double convergence_radius = 0.0;  // such motions reach this distance from the goal
   double float32_error = 0.0;       // bound on |error| of the velocity in float, in the workspace
@@ -34,11 +39,15 @@ struct PolicyInfo {
   void visit(Visit&& visit) const {
     visit("name", name, "of the configuration");
     visit("unit", unit, "of length");
+    visit("frame_name", frame_name, "of the frame of all positions");
     visit("guarantee", guarantee, "none, sampled, conformal, proved or invariant");
     visit("statement", statement, "what holds, in words");
+    visit("unsafe_set", unsafe_set, "the obstacle, as the configuration wrote it");
+    visit("initial_set", initial_set, "where motions start, as the configuration wrote it");
     visit("weight_hash", weight_hash, "SHA-256 of the networks that the guarantee speaks of");
     visit("dimension", dimension, "of positions and velocities");
-    visit("position_scale", position_scale, "position / position_scale = normalised");
+    visit("goal", goal, "where motions end");
+    visit("position_scale", position_scale, "(position - goal) / position_scale = normalised");
     visit("velocity_scale", velocity_scale, "normalised * velocity_scale = velocity");
     visit("workspace", workspace, "lower corner, upper corner");
     visit("disturbance_margin", disturbance_margin,
@@ -57,7 +66,7 @@ struct Policy {
 // The policy of a stored run. A float32_error that the certificate does not state is computed.
 Policy policy_of(const RunRecord& record);
 
-// Throws Error unless the networks map n -> n, n -> 1 and n -> 1, weights are finite, workspace and scales
+// Throws Error unless the networks map n -> n, n -> 1 and n -> 1, weights are finite, goal, workspace and scales
 // fit them, and the weights are those that the certificate speaks of: what was certified is what ships.
 void check_policy(const Policy& policy);
 

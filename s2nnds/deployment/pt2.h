@@ -8,7 +8,7 @@
 namespace s2nnds {
 
 // The bytes of a program of torch.export (loads with torch.export.load):
-// - argument: `position` [N, n] float32 or float64, N >= 0, in the data's unit, goal-centred;
+// - argument: `position` [N, n] float32 or float64, N >= 0, in the data's unit and frame;
 // - result: a dict of `velocity` [N, n] in that unit per second, `lyapunov` [N], `barrier` [N], computed in
 //   float64, and `safe` [N] bool, B <= 0 and inside the workspace;
 // - extra file `policy.json`: every field of PolicyInfo by its name; a number that is not finite is null.

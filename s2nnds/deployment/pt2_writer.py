@@ -50,8 +50,9 @@ def policy_module(torch, policy):
         def __init__(self):
             super().__init__()
             info, n = policy["info"], policy["info"]["dimension"]
-            # An array, not a number: dividing by it makes float64 of positions in float32.
+            # An array, not a number: an operation with it makes float64 of positions in float32.
             self.store("position_scale", [info["position_scale"]] * n)
+            self.store("goal", info["goal"])
             self.store("lower", info["workspace"][:n])
             self.store("upper", info["workspace"][n:])
             for name, network in policy["networks"].items():
@@ -79,7 +80,7 @@ def policy_module(torch, policy):
             return ((a * a).sum(1) + network["quadratic"] * (z * z).sum(1)).unsqueeze(1)
 
         def forward(self, position):
-            z = position / self.position_scale
+            z = (position - self.goal) / self.position_scale
             barrier = self.network("B", z).squeeze(1)
             inside = ((position >= self.lower) & (position <= self.upper)).all(1)
             return {

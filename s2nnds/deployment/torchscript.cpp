@@ -66,10 +66,6 @@ std::string define_network(torch::jit::Module& module, const NetworkWeights& sta
   return source;
 }
 
-torch::Tensor to_float64(const double* data, std::int64_t count) {
-  return torch::from_blob(const_cast<double*>(data), {count}, torch::kFloat64).clone();
-}
-
 void set_attributes(torch::jit::Module& module, const PolicyInfo& info) {
   info.visit([&](const char* name, const auto& value, const char*) {
     const torch::IValue constant(value);
@@ -77,10 +73,16 @@ void set_attributes(torch::jit::Module& module, const PolicyInfo& info) {
   });
 }
 
+// Goal and workspace are lists, not buffers, which would follow a module that is cast to another precision; what is
+// compared with them and subtracted from is float64 whatever the positions are.
 void define_interface(torch::jit::Module& module) {
-  module.define(R"(
+  module.define(fmt::format(R"(
+def constants(self, values: List[float], x: Tensor) -> Tensor:
+  return torch.tensor(values, dtype={0}, device=x.device)
+
 def normalised(self, x: Tensor) -> Tensor:
-  return x.to(self.B_weight_0.dtype) / self.position_scale
+  z = (x.to({0}) - self.constants(self.goal, x)) / self.position_scale
+  return z.to(self.B_weight_0.dtype)
 
 def forward(self, x: Tensor) -> Tensor:
   return (self.f(self.normalised(x)) * self.velocity_scale).to(x.dtype)
@@ -92,9 +94,12 @@ def barrier(self, x: Tensor) -> Tensor:
   return self.B(self.normalised(x)).squeeze(1).to(x.dtype)
 
 def safe(self, x: Tensor) -> Tensor:
-  inside = (x >= self.workspace_lower.to(x.dtype)) & (x <= self.workspace_upper.to(x.dtype))
+  corners = self.constants(self.workspace, x)
+  y = x.to({0})
+  inside = (y >= corners[:self.dimension]) & (y <= corners[self.dimension:])
   return (self.barrier(x) <= 0) & inside.all(1)
-)");
+)",
+                            static_cast<int>(torch::kFloat64)));
 }
 
 // In memory: when a write fails, torch's own file writer throws out of its destructor and ends the program.
@@ -108,11 +113,7 @@ std::string serialised(const torch::jit::Module& module) {
 
 std::string torchscript_module(const Policy& policy) {
   torch::jit::Module module("S2nndsPolicy");
-  const std::vector<double>& workspace = policy.info.workspace;
-  const std::int64_t n = policy.info.dimension;
   set_attributes(module, policy.info);
-  module.register_buffer("workspace_lower", to_float64(workspace.data(), n));
-  module.register_buffer("workspace_upper", to_float64(workspace.data() + n, n));
   try {
     module.define(define_network(module, policy.networks.f, "f"));
     module.define(define_network(module, policy.networks.V, "V"));

@@ -6,14 +6,72 @@
 #include <optional>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/frame.h"
+#include "s2nnds/problem/framed_region.h"
 #include "s2nnds/problem/region_sampler.h"
 
 namespace s2nnds {
 namespace {
 
-std::string text(const Vector& x) {
-  return fmt::format("({:.6g})", fmt::join(x.data(), x.data() + x.size(), ", "));
-}
+// Where the user's coordinates and the normalised ones meet: sets come in as they are written, and places go
+// out into messages in the same unit and frame.
+class UserCoordinates {
+ public:
+  UserCoordinates(const std::string& frame, const Frame& data) : in_data_(frame == "data"), frame_(data) {}
+
+  // The normalised set of a region as written.
+  RegionPtr region(RegionPtr written) const {
+    return in_data_ ? framed(std::move(written), frame_.goal, frame_.position_scale) : written;
+  }
+  // A box as written; normalised it is never smaller, so that what holds in it holds in the one written.
+  Box box(const Box& written) const {
+    if (!in_data_) return written;
+    Box normalised = written;
+    for (Eigen::Index i = 0; i < written.dimension(); ++i) {
+      const Interval goal = frame_.goal[i], scale = frame_.position_scale;
+      normalised.lower[i] = ((written.lower[i] - goal) / scale).lower;
+      normalised.upper[i] = ((written.upper[i] - goal) / scale).upper;
+    }
+    return normalised;
+  }
+  // A normalised box as one would write it: in the data's frame rounded to four digits or more, outwards.
+  Box outside(const Box& normalised) const {
+    if (!in_data_) return normalised;
+    return {(digits() * written(normalised.lower)).array().floor() / digits(),
+            (digits() * written(normalised.upper)).array().ceil() / digits()};
+  }
+  // The same rounded inwards.
+  Box inside(const Box& normalised) const {
+    if (!in_data_) return normalised;
+    return {(digits() * written(normalised.lower)).array().ceil() / digits(),
+            (digits() * written(normalised.upper)).array().floor() / digits()};
+  }
+  Vector written(const Vector& normalised) const {
+    return in_data_ ? frame_.to_data(normalised) : normalised;
+  }
+
+  // "(500, 200) mm", "(0.1, 0.2)"
+  std::string text(const Vector& normalised) const {
+    if (in_data_) return frame_.position_text(frame_.to_data(normalised));
+    return fmt::format("({:.6g})", fmt::join(normalised, ", "));
+  }
+  // "(100, 0) mm to (900, 400) mm"
+  std::string text(const Box& normalised) const {
+    return text(normalised.lower) + " to " + text(normalised.upper);
+  }
+  // For messages about what was written in the wrong place.
+  std::string hint() const {
+    return in_data_ ? fmt::format("the goal is at {}", text(Vector::Zero(frame_.goal.size())))
+                    : "problem.frame = \"normalised\": the goal is at the origin, the largest coordinate 1";
+  }
+
+ private:
+  // The places after the decimal point that lengths are rounded to, as a power of ten.
+  double digits() const { return std::pow(10.0, 4.0 - std::floor(std::log10(frame_.position_scale))); }
+
+  bool in_data_;
+  const Frame& frame_;
+};
 
 // The first points of the demonstrations: [demonstrations, n].
 Points first_points(const std::vector<Demonstration>& demonstrations) {
@@ -24,7 +82,47 @@ Points first_points(const std::vector<Demonstration>& demonstrations) {
   return starts;
 }
 
-void check_demonstrations_inside(const Box& workspace, const std::vector<Demonstration>& demonstrations) {
+// The box with the same centre and its sides times `factor`.
+Box scaled(const Box& box, double factor) {
+  const Vector center = box.center(), half = 0.5 * factor * (box.upper - box.lower);
+  return {center - half, center + half};
+}
+
+Vector bound(const std::vector<double>& numbers, const char* key, Eigen::Index dimension) {
+  check(std::ssize(numbers) == dimension, "problem.bounds.{}: found {} numbers, expected {}", key,
+        numbers.size(), dimension);
+  const Vector corner = Eigen::Map<const Vector>(numbers.data(), dimension);
+  check(corner.allFinite(), "problem.bounds.{}: found ({}), expected finite numbers", key,
+        fmt::join(numbers, ", "));
+  return corner;
+}
+
+// X, and X shrunk by the containment: the same box where that is off.
+struct Workspace {
+  Box whole, contained;
+};
+
+Workspace make_workspace(const ProblemOptions& options, const UserCoordinates& user, Eigen::Index dimension) {
+  const bool shrinks = options.containment > 0.0;
+  if (options.bounds.lower.empty() && options.bounds.upper.empty()) {
+    const Box whole = Box::cube(dimension, options.workspace);
+    return {whole, shrinks ? Box::cube(dimension, options.containment * options.workspace) : whole};
+  }
+  const Box written{bound(options.bounds.lower, "lower", dimension),
+                    bound(options.bounds.upper, "upper", dimension)};
+  check((written.lower.array() < written.upper.array()).all(),
+        "problem.bounds: found lower ({}) and upper ({}), expected lower < upper on every axis",
+        fmt::join(options.bounds.lower, ", "), fmt::join(options.bounds.upper, ", "));
+  const Box whole = user.box(written);
+  const Box contained = shrinks ? scaled(whole, options.containment) : whole;
+  check((contained.lower.array() < 0.0).all() && (contained.upper.array() > 0.0).all(),
+        "problem.bounds: found {}, expected the goal inside {}({})", user.text(whole),
+        shrinks ? "by more than problem.containment leaves " : "", user.hint());
+  return {whole, contained};
+}
+
+void check_demonstrations_inside(const Box& workspace, const std::vector<Demonstration>& demonstrations,
+                                 const UserCoordinates& user) {
   for (std::size_t k = 0; k < demonstrations.size(); ++k) {
     const Points& position = demonstrations[k].position;
     check(position.rows() > 0 && position.cols() == workspace.dimension(),
@@ -34,26 +132,29 @@ void check_demonstrations_inside(const Box& workspace, const std::vector<Demonst
       const Vector x = position.row(row).transpose();
       if (workspace.contains(x)) continue;
       fail(
-          "problem: demonstration {} is at {} at sample {}, outside of the workspace: expected coordinates "
-          "of at "
-          "most {} (problem.workspace)",
-          k, text(x), row, workspace.upper[0]);
+          "problem: demonstration {} is at {} at sample {}, outside of the workspace: expected it within {} "
+          "(problem.workspace, problem.bounds)",
+          k, user.text(x), row, user.text(workspace));
     }
   }
 }
 
-RegionPtr make_initial(const ProblemOptions& options, const Points& starts, RegionFiles& files) {
+RegionPtr make_initial(const ProblemOptions& options, const Points& starts, const UserCoordinates& user,
+                       const Box& contained, RegionFiles& files) {
   const std::string& type = options.initial.type;
   if (type == "ball_auto") {
     check(options.initial.radius > 0.0, "problem.initial: radius is {}, expected > 0",
           options.initial.radius);
-    return ball(starts.colwise().mean().transpose(), options.initial.radius);
+    const Vector mean = starts.colwise().mean().transpose();
+    return user.region(ball(user.written(mean), options.initial.radius));
   }
-  if (type != "auto") return make_region(options.initial, starts.cols(), files, "problem.initial");
-  const Box clip = Box::cube(starts.cols(), 1.0);
+  if (type != "auto")
+    return user.region(make_region(options.initial, starts.cols(), files, "problem.initial"));
+  const bool bounded = !options.bounds.lower.empty();
+  const Box clip = bounded ? contained : Box::cube(starts.cols(), 1.0);
   const Box grown{starts.colwise().minCoeff().transpose().array() - options.padding,
                   starts.colwise().maxCoeff().transpose().array() + options.padding};
-  return box_region(grown.intersection(clip));
+  return user.region(box_region(user.outside(grown).intersection(user.inside(clip))));
 }
 
 // A point that both regions hold within the box, if one is found.
@@ -68,12 +169,7 @@ std::optional<Vector> common_point(const RegionPtr& a, const RegionPtr& b, const
 void check_defined(const RegionPtr& region, const Box& workspace, const char* key) {
   constexpr Eigen::Index kProbes = 20000;
   RandomStream random(0, "problem-defined");
-  Points probes(kProbes, workspace.dimension());
-  for (Eigen::Index k = 0; k < probes.rows(); ++k) {
-    for (Eigen::Index i = 0; i < probes.cols(); ++i) {
-      probes(k, i) = random.uniform(workspace.lower[i], workspace.upper[i]);
-    }
-  }
+  Points probes = uniform_points(workspace, kProbes, random);
   probes.row(0).setZero();
   try {
     region->level(probes);
@@ -82,39 +178,44 @@ void check_defined(const RegionPtr& region, const Box& workspace, const char* ke
   }
 }
 
-void check_unsafe(const SafetyProblem& problem, const std::string& type) {
+void check_unsafe(const SafetyProblem& problem, const std::string& type, const UserCoordinates& user) {
   check_defined(problem.unsafe, problem.workspace, "problem.unsafe");
   const Vector goal = Vector::Zero(problem.dimension());
-  check(!problem.unsafe->contains(goal), "problem.unsafe: {} covers the goal (the origin)",
-        problem.unsafe->describe());
+  check(!problem.unsafe->contains(goal), "problem.unsafe: {} covers the goal, at {}",
+        problem.unsafe->describe(), user.text(goal));
   check(type == "none" || !RegionSampler(problem.unsafe, problem.workspace).empty(),
-        "problem.unsafe: {} has no points in the workspace; use type \"none\" for no obstacle",
-        problem.unsafe->describe());
+        "problem.unsafe: {} has no points in the workspace, {}: expected an obstacle there ({}); "
+        "problem.workspace or problem.bounds make the workspace larger",
+        problem.unsafe->describe(), user.text(problem.workspace), user.hint());
 }
 
-void check_initial(const SafetyProblem& problem, double containment) {
-  const double half_width = problem.workspace.upper[0];
-  const double reach = containment > 0.0 ? containment * half_width : half_width;
+void check_initial(const SafetyProblem& problem, const Box& contained, const UserCoordinates& user) {
   // Beyond twice the workspace nobody looks.
-  const Box around = Box::cube(problem.dimension(), 2.0 * half_width);
+  const Box around = scaled(problem.workspace, 2.0);
   check_defined(problem.initial, around, "problem.initial");
-  const RegionPtr beyond = complement(box_region(Box::cube(problem.dimension(), reach)));
-  const auto stray = common_point(problem.initial, beyond, around);
-  check(!stray, "problem.initial: {} reaches {}, outside of the {}: expected coordinates below {:.6g}",
-        problem.initial->describe(), stray ? text(*stray) : "",
-        containment > 0.0 ? "contained workspace" : "workspace", reach);
+  const auto stray = common_point(problem.initial, complement(box_region(contained)), around);
+  check(!stray, "problem.initial: {} reaches {}, outside of the {}: expected it within {}",
+        problem.initial->describe(), stray ? user.text(*stray) : "",
+        problem.workspace_margin ? "contained workspace" : "workspace", user.text(contained));
   check(!RegionSampler(problem.initial, problem.workspace).empty(),
         "problem.initial: {} is empty or has no volume in the workspace (problem.padding grows it)",
         problem.initial->describe());
   const auto unsafe_start = common_point(problem.initial, problem.unsafe, problem.workspace);
   check(!unsafe_start, "problem.initial: {} meets the unsafe set ({}) at {}", problem.initial->describe(),
-        problem.unsafe->describe(), unsafe_start ? text(*unsafe_start) : "");
+        problem.unsafe->describe(), unsafe_start ? user.text(*unsafe_start) : "");
 }
 
 }  // namespace
 
+void BoundsOptions::visit(FieldVisitor& v) {
+  v.field("lower", lower, any_number());
+  v.field("upper", upper, any_number());
+}
+
 void ProblemOptions::visit(FieldVisitor& v) {
+  v.field("frame", frame, {"data", "normalised"});
   v.field("workspace", workspace, above(0.0));
+  v.group("bounds", bounds);
   v.field("containment", containment, {.low = 0.0, .high = 1.0, .open_high = true});
   v.field("padding", padding, at_least(0.0));
   v.group("initial", initial);
@@ -122,27 +223,28 @@ void ProblemOptions::visit(FieldVisitor& v) {
 }
 
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
-                           RegionFiles& files) {
+                           const Frame& frame, RegionFiles& files) {
   validate(options);
   check(!demonstrations.empty(), "problem: no demonstrations, expected at least one");
   const Eigen::Index dimension = demonstrations.front().dimension();
+  const UserCoordinates user(options.frame, frame);
+  const auto [whole, contained] = make_workspace(options, user, dimension);
   SafetyProblem problem;
-  problem.workspace = Box::cube(dimension, options.workspace);
-  check_demonstrations_inside(problem.workspace, demonstrations);
+  problem.workspace = whole;
+  check_demonstrations_inside(problem.workspace, demonstrations, user);
   problem.unsafe = make_region(options.unsafe, dimension, files, "problem.unsafe");
-  check_unsafe(problem, options.unsafe.type);
-  if (options.containment > 0.0) {
-    problem.workspace_margin =
-        complement(box_region(Box::cube(dimension, options.containment * options.workspace)));
-  }
-  problem.initial = make_initial(options, first_points(demonstrations), files);
-  check_initial(problem, options.containment);
+  if (options.unsafe.type != "none") problem.unsafe = user.region(problem.unsafe);
+  check_unsafe(problem, options.unsafe.type, user);
+  if (options.containment > 0.0) problem.workspace_margin = complement(box_region(contained));
+  problem.initial = make_initial(options, first_points(demonstrations), user, contained, files);
+  check_initial(problem, contained, user);
   return problem;
 }
 
-SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations) {
+SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
+                           const Frame& frame) {
   RegionFiles files;
-  return make_problem(options, demonstrations, files);
+  return make_problem(options, demonstrations, frame, files);
 }
 
 }  // namespace s2nnds

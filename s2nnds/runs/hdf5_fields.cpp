@@ -46,6 +46,9 @@ class FieldWriter final : public UniformVisitor<FieldWriter, GroupVisitor> {
       file_.write_attribute(group(), std::string(name), std::int64_t{value});
     } else if constexpr (std::is_same_v<T, std::vector<std::vector<double>>>) {
       fail("{}/{}: lists of lists are not stored as an attribute", group(), name);
+    } else if constexpr (std::is_same_v<T, WordOrNumbers>) {
+      file_.write_attribute(group(), std::string(name), value.word);
+      file_.write_attribute(group(), std::string(name) + "_numbers", value.numbers);
     } else {
       file_.write_attribute(group(), std::string(name), value);
     }
@@ -71,6 +74,9 @@ class FieldReader final : public UniformVisitor<FieldReader, GroupVisitor> {
       value = file_.attribute<std::int64_t>(group(), std::string(name)) != 0;
     } else if constexpr (std::is_same_v<T, std::vector<std::vector<double>>>) {
       fail("{}/{}: lists of lists are not stored as an attribute", group(), name);
+    } else if constexpr (std::is_same_v<T, WordOrNumbers>) {
+      value.word = file_.attribute<std::string>(group(), std::string(name));
+      value.numbers = file_.attribute<std::vector<double>>(group(), std::string(name) + "_numbers");
     } else {
       value = file_.attribute<T>(group(), std::string(name));
     }

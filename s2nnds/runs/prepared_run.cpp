@@ -14,7 +14,7 @@ PreparedRun prepare(Config config, RunData data, RegionFiles files) {
                     .problem = {},
                     .files = std::move(files)};
   setup.demonstrations = setup.data.normalized();
-  setup.problem = make_problem(setup.config.problem, setup.demonstrations, setup.files);
+  setup.problem = make_problem(setup.config.problem, setup.demonstrations, setup.data.frame, setup.files);
   return setup;
 }
 
@@ -24,7 +24,8 @@ PreparedRun prepare(const Config& config, const std::string& data_dir, const Rea
   DemonstrationSet as_read = read_demonstrations(config.data, data_dir, progress);
   RunData data;
   data.dimension = as_read.dimension();
-  data.frame = find_frame(as_read, config.data.normalization);
+  data.frame = find_frame(as_read, config.data.normalization, config.data.goal);
+  data.frame.name = config.data.frame_name;
   data.split = split_demonstrations(as_read.demonstrations.size(), config.data.test, config.data.validation);
   data.demonstrations = std::move(as_read.demonstrations);
   data.report = std::move(as_read.report);
@@ -45,9 +46,10 @@ RunRecord new_record(const PreparedRun& setup, const std::string& text) {
   record.seed = setup.config.seed;
   record.config = {text, to_toml(setup.config), flatten(setup.config)};
   record.data = setup.data;
-  record.problem = {setup.problem.unsafe->describe(), setup.problem.initial->describe(),
-                    setup.config.problem.containment, setup.config.training.level_band,
-                    setup.problem.workspace,          setup.files.all()};
+  record.problem = {setup.config.problem.frame,        setup.problem.unsafe->describe(),
+                    setup.problem.initial->describe(), setup.config.problem.containment,
+                    setup.config.training.level_band,  setup.problem.workspace,
+                    setup.files.all()};
   return record;
 }
 

@@ -101,9 +101,11 @@ std::string numbered(const std::string& group, std::size_t index) {
 void write(Hdf5Writer& file, const RunData& data) {
   file.write_attribute("/data", "dimension", data.dimension);
   file.write_attribute("/data", "unit", data.frame.unit);
+  file.write_attribute("/data", "frame_name", data.frame.name);
   file.write_attribute("/data", "normalization", data.frame.normalization);
   file.write_attribute("/data", "position_scale", data.frame.position_scale);
   file.write_attribute("/data", "velocity_scale", data.frame.velocity_scale);
+  file.write("/data/goal", data.frame.goal);
   file.write("/data/goals", data.frame.goals);
   file.write("/data/train", data.split.train);
   file.write("/data/test", data.split.test);
@@ -121,7 +123,9 @@ void write(Hdf5Writer& file, const RunData& data) {
 RunData read_data(const Hdf5Reader& file) {
   RunData data;
   data.frame = {.unit = file.text_attribute("/data", "unit"),
+                .name = file.text_attribute("/data", "frame_name"),
                 .normalization = file.text_attribute("/data", "normalization"),
+                .goal = file.read_vector("/data/goal"),
                 .goals = file.read_points("/data/goals"),
                 .position_scale = file.number_attribute("/data", "position_scale"),
                 .velocity_scale = file.number_attribute("/data", "velocity_scale")};
@@ -142,6 +146,7 @@ RunData read_data(const Hdf5Reader& file) {
 }
 
 void write(Hdf5Writer& file, const RunProblem& problem) {
+  file.write_attribute("/problem", "frame", problem.frame);
   file.write_attribute("/problem", "unsafe", problem.unsafe);
   file.write_attribute("/problem", "initial", problem.initial);
   file.write_attribute("/problem", "containment", problem.containment);
@@ -158,6 +163,7 @@ void write(Hdf5Writer& file, const RunProblem& problem) {
 
 RunProblem read_problem(const Hdf5Reader& file) {
   RunProblem problem;
+  problem.frame = file.text_attribute("/problem", "frame");
   problem.unsafe = file.text_attribute("/problem", "unsafe");
   problem.initial = file.text_attribute("/problem", "initial");
   problem.containment = file.number_attribute("/problem", "containment");

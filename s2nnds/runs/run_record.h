@@ -41,8 +41,9 @@ struct RunData {
 
 // The sets of a run.
 struct RunProblem {
-  std::string unsafe;   // the unsafe set Xu in words: Region::describe()
-  std::string initial;  // the initial set X0 in words
+  std::string frame = "normalised";  // whose unit and frame the words below are in: data, normalised
+  std::string unsafe;                // the unsafe set Xu in words: Region::describe()
+  std::string initial;               // the initial set X0 in words
   // Share of the workspace, in (0, 1), within which the safe set must lie; 0: off.
   double containment = 0.0;
   double level_band = 0.0;  // eps_B >= 0: Bdot < 0 is asked for where |B| <= level_band
@@ -140,7 +141,7 @@ struct RunRecord {
 };
 
 // Of the run files that this program writes, and the only one that it reads.
-inline constexpr std::int64_t run_schema_version = 2;
+inline constexpr std::int64_t run_schema_version = 3;
 
 std::string time_stamp();  // now, UTC: "2024-05-31T12:00:00Z"
 

@@ -6,23 +6,12 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "s2nnds/runs/user_units.h"
+
 namespace s2nnds {
 namespace {
 
 std::string number(double value) { return fmt::format("{:.4g}", value); }
-
-// "1 mm/s (0.02 normalised)"; without a unit, the normalised number alone. `per` is "" or "/s".
-std::string quantity(double normalised, double scale, const RunData& data, const char* per) {
-  if (data.frame.unit.empty()) return number(normalised) + " (normalised)";
-  return fmt::format("{} {}{} ({} normalised)", number(normalised * scale), data.frame.unit, per,
-                     number(normalised));
-}
-std::string speed(double normalised, const RunData& data) {
-  return quantity(normalised, data.frame.velocity_scale, data, "/s");
-}
-std::string length(double normalised, const RunData& data) {
-  return quantity(normalised, data.frame.position_scale, data, "");
-}
 
 std::string all_conditions_in_words(const RunRecord& record) {
   return fmt::format(
@@ -73,16 +62,17 @@ std::string reason_of(Verdict wanted, const Certificate& certificate) {
 
 std::string disturbance_in_words(const RunRecord& record) {
   const Certificate& c = record.certificate;
+  const UserUnits units(record);
   if (!(c.disturbance_margin > 0)) return " No margin against disturbances was certified.";
   std::string text = fmt::format(
       " Motions from the safe set also stay in it under any disturbance xdot = f(x) + w with |w| <= {}",
-      speed(c.disturbance_margin, record.data));
+      units.speed(c.disturbance_margin));
   if (c.convergence_radius < record.problem.workspace.half_widths().minCoeff()) {
     text += fmt::format(", and then converge to a ball of radius {} around the goal",
-                        length(c.convergence_radius, record.data));
+                        units.length(c.convergence_radius));
   }
   return text + fmt::format(". Evaluating f in float32 is wrong by at most {}, which this margin {}.",
-                            speed(c.float32_error, record.data),
+                            units.speed(c.float32_error),
                             c.float32_error < c.disturbance_margin ? "covers" : "does NOT cover");
 }
 
@@ -120,17 +110,23 @@ std::string refutations(const RunRecord& record) {
   std::string text;
   for (const ConditionVerdict& verdict : record.certificate.conditions) {
     if (verdict.verdict != Verdict::refuted) continue;
-    text += fmt::format(" The proof REFUTED {}: it is violated at ({:.6g})", to_string(verdict.condition),
-                        fmt::join(verdict.witness, ", "));
-    if (!record.data.frame.unit.empty()) {
-      std::vector<double> position = verdict.witness;
-      for (double& coordinate : position) coordinate *= record.data.frame.position_scale;
-      text += fmt::format(", which is ({:.6g}) {} from the goal", fmt::join(position, ", "),
-                          record.data.frame.unit);
-    }
-    text += ".";
+    text += fmt::format(" The proof REFUTED {}: it is violated at {}.", to_string(verdict.condition),
+                        UserUnits(record).position(verdict.witness));
   }
   return text;
+}
+
+// What the words above speak of: without it they say nothing about a place in the room.
+std::string coordinates(const RunRecord& record) {
+  const UserUnits units(record);
+  if (!units.in_data()) return " Coordinates are normalised, with the goal at the origin.";
+  const Frame& frame = record.data.frame;
+  return fmt::format(
+      " Positions are those of the data{}, in {}: the goal is {}, the workspace {}, the unsafe set {}, the "
+      "initial set "
+      "{}.",
+      frame.name.empty() ? "" : fmt::format(" (frame {})", frame.name), units.name(),
+      frame.position_text(frame.goal), units.workspace(), record.problem.unsafe, record.problem.initial);
 }
 
 }  // namespace
@@ -177,12 +173,10 @@ std::string guarantee_sentence(const RunRecord& record) {
 }
 
 std::string guarantee_statement(const RunRecord& record) {
-  const std::string about = record.certificate.guarantee == Guarantee::none
-                                ? ""
-                                : " This is about the kinematic motion in coordinates around the goal, not "
-                                  "about a robot's tracking "
-                                  "error.";
-  return guarantee_sentence(record) + details(record) + refutations(record) + about;
+  if (record.certificate.guarantee == Guarantee::none)
+    return guarantee_sentence(record) + refutations(record);
+  return guarantee_sentence(record) + details(record) + refutations(record) + coordinates(record) +
+         " This is about the kinematic motion of a point, not about a robot's tracking error.";
 }
 
 }  // namespace s2nnds

@@ -42,6 +42,37 @@ ordered_json json_of_figures(const Figures& figures) {
   return ordered_json::parse(to_json(figures));
 }
 
+// The same in the data's unit and frame, for those who compare runs of one motion with what the robot does.
+ordered_json in_unit(const RunRecord& record) {
+  const Frame& frame = record.data.frame;
+  const Box& workspace = record.problem.workspace;
+  const EvaluationSummary& e = record.evaluation;
+  const Certificate& certificate = record.certificate;
+  const double volume = std::pow(frame.position_scale, static_cast<double>(record.data.dimension));
+  const auto position = [](const Vector& x) { return std::vector<double>(x.begin(), x.end()); };
+  ordered_json json = {{"unit", frame.unit},
+                       {"frame_name", frame.name},
+                       {"goal", position(frame.goal)},
+                       {"position_scale", frame.position_scale},
+                       {"velocity_scale", frame.velocity_scale},
+                       {"workspace_lower", position(frame.to_data(workspace.lower))},
+                       {"workspace_upper", position(frame.to_data(workspace.upper))},
+                       {"velocity_rms_train", real(frame.velocity_scale * std::sqrt(e.mse_train))},
+                       {"velocity_rms_test", real(frame.velocity_scale * std::sqrt(e.mse_test))},
+                       {"dtw_train", real(frame.position_scale * e.dtw_train)},
+                       {"dtw_test", real(frame.position_scale * e.dtw_test)},
+                       {"safe_area", real(volume * e.safe_area)},
+                       {"disturbance_margin", real(frame.velocity_scale * certificate.disturbance_margin)},
+                       {"convergence_radius", real(frame.position_scale * certificate.convergence_radius)},
+                       {"float32_error", real(frame.velocity_scale * certificate.float32_error)}};
+  for (const ConditionVerdict& verdict : certificate.conditions) {
+    if (verdict.witness.empty()) continue;
+    const Vector z = Eigen::Map<const Vector>(verdict.witness.data(), std::ssize(verdict.witness));
+    json["violated_at"][std::string(to_string(verdict.condition))] = position(frame.to_data(z));
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string summary_json(const RunRecord& record, const std::string& path) {
@@ -66,6 +97,10 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   json["disturbance_margin"] = real(certificate.disturbance_margin);
   json["convergence_radius"] = real(certificate.convergence_radius);
   json["float32_error"] = real(certificate.float32_error);
+  json["problem"] = {{"frame", record.problem.frame},
+                     {"unsafe", record.problem.unsafe},
+                     {"initial", record.problem.initial}};
+  json["in_unit"] = in_unit(record);
   json["rounds"] = record.checkpoint ? record.checkpoint->round : 0;
   json["weight_hash"] = certificate.weight_hash;
   json["statement"] = certificate.statement;

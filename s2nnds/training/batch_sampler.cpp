@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/problem/interval.h"
 
 namespace s2nnds {
 namespace {
@@ -137,7 +138,8 @@ Points BatchSampler::draw_workspace(RandomStream& random) const {
   Eigen::Index at = 0;
   append_counterexamples(x, at, pools_.workspace, counterexamples, problem_.workspace, kJitter, random);
   append_some(x, at, near_band_, band, random);
-  const double reach = problem_.workspace.half_widths().minCoeff();
+  // The largest ball around the goal that the workspace holds.
+  const double reach = next_up(problem_.workspace.upper.cwiseMin(-problem_.workspace.lower).minCoeff());
   for (Eigen::Index i = 0; i < goal; ++i, ++at) {
     const double radius = reach * std::exp(random.uniform(std::log(kNearestToGoal), 0.0));
     for (Eigen::Index k = 0; k < x.cols(); ++k) x(at, k) = random.normal();

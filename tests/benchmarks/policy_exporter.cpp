@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
     policy.info.guarantee = "none";
     policy.info.weight_hash = weight_hash(policy.networks);
     policy.info.dimension = 2;
+    policy.info.goal = {0.0, 0.0};
     policy.info.workspace = {-1.25, -1.25, 1.25, 1.25};
     export_policy(policy, export_format_from("header"), {HeaderPrecision::float32}, stem + ".h");
     export_policy(policy, export_format_from("header"), {HeaderPrecision::float64}, stem + "_double.h");

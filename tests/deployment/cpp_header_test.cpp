@@ -107,7 +107,7 @@ class CppHeader : public testing::Test {
     const Eigen::Index n = networks.f.input_dimension();
     write_policy(networks, "header", path("policy.h"), precision);
     const Points z = Points::NullaryExpr(300, n, [&] { return random_.uniform(-1.25, 1.5); });
-    const Answers found = ask(40.0 * z, flags);
+    const Answers found = ask(positions(z), flags);
     EXPECT_LE((found.velocity / 25.0 - networks.f.value(z)).rowwise().norm().maxCoeff(), allowed) << flags;
     const Vector lyapunov = networks.V.value(z).col(0), barrier = networks.B.value(z).col(0);
     EXPECT_LE((found.lyapunov - lyapunov).cwiseAbs().maxCoeff(), 1e-12 * lyapunov.cwiseAbs().maxCoeff())
@@ -168,7 +168,9 @@ TEST_F(CppHeader, TanhInFloatIsWithinWhatTheBoundAllows) {
   layer.activation = Activation::tanh;
   networks.f = {};
   networks.f.layers = {layer};
-  write_policy(networks, "header", path("policy.h"));
+  Policy policy = random_policy(networks);
+  policy.info.goal = {0.0, 0.0};  // tiny distances from it are positions
+  export_policy(policy, export_format_from("header"), {}, path("policy.h"));
   Points z(20000, 2);
   z.col(0).setLinSpaced(-12.0, 12.0);
   z.col(1) = (Vector::LinSpaced(z.rows(), -20.0, 2.0).array() * std::log(10.0)).exp();
@@ -184,7 +186,7 @@ TEST_F(CppHeader, TheGoalIsAnEquilibriumExactly) {
   for (const HeaderPrecision precision : {HeaderPrecision::float32, HeaderPrecision::float64}) {
     write_policy(networks, "header", path("policy.h"), precision);
     for (const char* flags : {"-O0", kFast}) {
-      const Answers found = ask(Points::Zero(1, 2), flags);
+      const Answers found = ask(positions(Points::Zero(1, 2)), flags);
       EXPECT_EQ(found.velocity, Points::Zero(1, 2)) << flags;
       EXPECT_EQ(found.lyapunov[0], 0.0);
     }
@@ -212,9 +214,9 @@ TEST_F(CppHeader, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
   networks.B = {};
   networks.B.layers = {above};
   write_policy(networks, "header", path("policy.h"));
-  // Workspace [-50, 60]^2.
-  const Answers found =
-      ask(Points{{10, -5}, {10, 5}, {10, -55}, {-55, -5}, {59, -5}, {61, -5}, {10, 0}, {60, -50}}, "-O2");
+  // Workspace [-50, 60]^2 around the goal.
+  const Points from_goal{{10, -5}, {10, 5}, {10, -55}, {-55, -5}, {59, -5}, {61, -5}, {10, 0}, {60, -50}};
+  const Answers found = ask(positions(from_goal / 40.0), "-O2");
   const Vector expected{{1, 0, 0, 0, 1, 0, 1, 1}};
   EXPECT_EQ(found.safe, expected);
 }
@@ -232,7 +234,9 @@ static_assert(p::dimension == 3 && p::position_scale == 40.0 && p::velocity_scal
 static_assert(std::string_view(p::name) == "Loop \"1\"\\" && std::string_view(p::unit) == "mm");
 static_assert(std::string_view(p::guarantee) == "conformal" && std::string_view(p::weight_hash) == "{}");
 static_assert(std::string_view(p::statement) == "Line one,\nline \"two\" ?" "?/ \\");
-static_assert(p::workspace[0] == -50.0 && p::workspace[2] == -50.0 && p::workspace[3] == 60.0 && p::workspace[5] == 60.0);
+static_assert(p::workspace[0] == 462.0 && p::workspace[2] == 334.0 && p::workspace[3] == 572.0 && p::workspace[5] == 444.0);
+static_assert(p::goal[0] == 512.0 && p::goal[2] == 384.0 && std::string_view(p::frame_name) == "base_link");
+static_assert(std::string_view(p::unsafe_set) == "ball centre (1, 2) radius 3");
 static_assert(p::disturbance_margin == 6.25 && p::float32_error == 2.5e-4 && p::convergence_radius == 3.5);
 static_assert(std::string_view(p::precision) == "double");
 static_assert(std::string_view(policy_9_lives_x::precision) == "float");

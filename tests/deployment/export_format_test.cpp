@@ -86,6 +86,12 @@ TEST_F(EveryFormat, RefusesShapesThatDoNotFit) {
   wrong.info.workspace = {-1.0, 1.0};
   expect_refused(wrong, "workspace of 2 numbers, expected 4");
   wrong = policy_;
+  wrong.info.goal = {1.0};
+  expect_refused(wrong, "a goal of 1 numbers, expected 2");
+  wrong = policy_;
+  wrong.info.goal[1] = NAN;
+  expect_refused(wrong, "not finite");
+  wrong = policy_;
   wrong.info.dimension = 3;
   expect_refused(wrong, "expected 3 -> 3");
   wrong = policy_;

@@ -31,6 +31,14 @@ inline NetworkWeights random_stack(const std::vector<int>& sizes, Activation act
   return stack;
 }
 
+// Where the goal of a random policy lies, far from the origin, up to 3-D.
+inline Vector far_goal(Eigen::Index n) { return Vector{{512.0, -256.0, 384.0}}.head(n); }
+
+// The positions of normalised points in the data's frame of a random policy.
+inline Points positions(const Points& normalised) {
+  return (40.0 * normalised).rowwise() + far_goal(normalised.cols()).transpose();
+}
+
 // A policy of these networks, none of what it carries a default; the texts need quoting wherever they are
 // written.
 inline Policy random_policy(const Networks& networks) {
@@ -39,14 +47,20 @@ inline Policy random_policy(const Networks& networks) {
   PolicyInfo& info = policy.info;
   info.name = "Loop \"1\"\\";
   info.unit = "mm";
+  info.frame_name = "base_link";
+  info.unsafe_set = "ball centre (1, 2) radius 3";
+  info.initial_set = "box lower (4, 5) upper (6, 7)";
   info.guarantee = "conformal";
   info.statement = "Line one,\nline \"two\" ?\?/ \\";
   info.weight_hash = weight_hash(networks);
   info.dimension = networks.f.input_dimension();
   info.position_scale = 40.0;
   info.velocity_scale = 25.0;
-  info.workspace.assign(static_cast<std::size_t>(info.dimension), -50.0);
-  info.workspace.resize(2 * info.workspace.size(), 60.0);
+  const Vector goal = far_goal(info.dimension);
+  info.goal.assign(goal.begin(), goal.end());
+  for (const double side : {-50.0, 60.0}) {
+    for (const double coordinate : goal) info.workspace.push_back(coordinate + side);
+  }
   info.disturbance_margin = 6.25;
   info.convergence_radius = 3.5;
   info.float32_error = 2.5e-4;

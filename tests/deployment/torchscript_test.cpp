@@ -63,7 +63,7 @@ TEST_F(Torchscript, EvaluatesTheSameNetworksInTheDatasUnit) {
       write_policy(networks, "torchscript", path("policy.pt"));
       torch::jit::Module policy = torch::jit::load(path("policy.pt"));
       const Points z = Points::NullaryExpr(200, n, [&] { return random_.normal(); });
-      Points raw = 40.0 * z;
+      Points raw = positions(z);
       const auto compare = [&](torch::ScalarType type, double tolerance) {
         const torch::Tensor x = torch::from_blob(raw.data(), {200, n}, torch::kFloat64).to(type);
         const torch::Tensor velocity = policy.forward({x}).toTensor();
@@ -92,8 +92,27 @@ TEST_F(Torchscript, CarriesWhatIsGuaranteedOfWhichWeights) {
   EXPECT_EQ(policy.attr("position_scale").toDouble(), 40.0);
   EXPECT_EQ(policy.attr("velocity_scale").toDouble(), 25.0);
   EXPECT_EQ(policy.attr("disturbance_margin").toDouble(), 6.25);
-  const std::vector<double> corners = {-50.0, -50.0, 60.0, 60.0};
+  EXPECT_EQ(policy.attr("frame_name").toStringRef(), "base_link");
+  EXPECT_EQ(policy.attr("goal").toDoubleVector(), (std::vector<double>{512.0, -256.0}));
+  const std::vector<double> corners = {462.0, -306.0, 572.0, -196.0};
   EXPECT_EQ(policy.attr("workspace").toDoubleVector(), corners);
+}
+
+// A cast of the module must not round the goal.
+TEST_F(Torchscript, FarFromTheOriginOnlyThePositionsPrecisionCounts) {
+  Networks networks = random_networks(2, Activation::tanh, random_);
+  Policy policy = random_policy(networks);
+  policy.info.goal = {4.0e6 + 0.123456789, -7.0e5 - 0.987654321};
+  policy.info.workspace = {3.9e6, -7.1e5, 4.1e6, -6.9e5};
+  export_policy(policy, export_format_from("torchscript"), {}, path("far.pt"));
+  torch::jit::Module module = torch::jit::load(path("far.pt"));
+  const Points z = Points::NullaryExpr(50, 2, [&] { return random_.uniform(-1.0, 1.0); });
+  Points raw = (40.0 * z).rowwise() + Eigen::RowVector2d(policy.info.goal[0], policy.info.goal[1]);
+  const torch::Tensor x = torch::from_blob(raw.data(), {50, 2}, torch::kFloat64);
+  for (const torch::ScalarType type : {torch::kFloat32, torch::kFloat64, torch::kFloat32}) {
+    module.to(type);
+    EXPECT_LT(error(module.forward({x}).toTensor(), 25.0 * networks.f.value(z)), 1e-6);
+  }
 }
 
 TEST_F(Torchscript, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
@@ -104,9 +123,10 @@ TEST_F(Torchscript, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
   networks.B.layers = {above};
   write_policy(networks, "torchscript", path("policy.pt"));
   torch::jit::Module policy = torch::jit::load(path("policy.pt"));
-  // Workspace [-50, 60]^2: below the line, above it, and below it but outside of the workspace.
+  // Workspace [-50, 60]^2 around the goal: below the line, above it, and below it but outside of the workspace.
   const torch::Tensor x =
-      torch::tensor({{10.0, -5.0}, {10.0, 5.0}, {10.0, -55.0}, {-55.0, -5.0}, {59.0, -5.0}});
+      torch::tensor({{10.0, -5.0}, {10.0, 5.0}, {10.0, -55.0}, {-55.0, -5.0}, {59.0, -5.0}}) +
+      torch::tensor({512.0, -256.0});
   const torch::Tensor safe = policy.run_method("safe", x).toTensor();
   EXPECT_TRUE(torch::equal(safe, torch::tensor({true, false, false, false, true}))) << safe;
 }

@@ -32,7 +32,7 @@ class AbcDs : public testing::TestWithParam<Published> {
     if (!std::filesystem::exists(file)) GTEST_SKIP() << "needs the published ABC-DS results: " << file;
     result_ = nlohmann::json::parse(std::ifstream(file));
     const DemonstrationSet set = make_demonstrations(read_lasa(data + "/lasa/" + GetParam().motion + ".mat"));
-    demonstrations_ = find_frame(set, "max_norm").normalize(set.demonstrations);
+    demonstrations_ = find_frame(set, "max_norm", {"each"}).normalize(set.demonstrations);
   }
 
   Polynomial polynomial(const nlohmann::json& text) const {

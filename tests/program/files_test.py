@@ -30,11 +30,14 @@ def interpret_onnx(model, x):
         "Sigmoid": lambda a: 1 / (1 + np.exp(-a)),
         "Softplus": lambda a: np.logaddexp(0, a),
         "Elu": lambda a: np.where(a > 0, a, np.expm1(a)),
-        "Identity": lambda a: a,
         "Squeeze": lambda a, axes: a.squeeze(tuple(axes)),
         "ReduceSum": lambda a, axes: a.sum(tuple(axes)),
     }
+    types = {1: np.float32, 11: np.float64}
     for node in model.graph.node:
+        if node.op_type == "Cast":
+            values[node.output[0]] = values[node.input[0]].astype(types[node.attribute[0].i])
+            continue
         values[node.output[0]] = operators[node.op_type](*(values[name] for name in node.input))
     return [values[output.name] for output in model.graph.output]
 
@@ -62,7 +65,7 @@ class ExportTest(ProgramTest):
             policy = policy.double()
         n = run.dimension
         normalised = self.rng.uniform(run.problem.workspace_lower, run.problem.workspace_upper, (500, n))
-        x = torch.as_tensor(normalised * run.data.position_scale, dtype=dtype)
+        x = torch.as_tensor(run.data.to_data(normalised), dtype=dtype)
         for found, expected, scale in (
             (policy(x), run.f(normalised), run.data.velocity_scale),
             (policy.lyapunov(x), run.V(normalised), 1.0),
@@ -108,7 +111,7 @@ class ExportTest(ProgramTest):
                 self.assertEqual(about["weight_hash"], run.certificate["weight_hash"])
                 self.assertEqual(float(about["position_scale"]), run.data.position_scale)
                 normalised = self.rng.uniform(run.problem.workspace_lower, run.problem.workspace_upper, (200, run.dimension))
-                x = (normalised * run.data.position_scale).astype(np.float32)
+                x = run.data.to_data(normalised)
                 for results in (interpret_onnx(model, x), run_onnx(out, x)):
                     if results is None:
                         continue  # no onnxruntime here
@@ -119,7 +122,7 @@ class ExportTest(ProgramTest):
     def test_goal_is_an_equilibrium(self):
         path = self.trained()
         self.export(path)
-        goal = torch.zeros(1, 2, dtype=torch.float64)
+        goal = torch.as_tensor(Run(path).data.goal[None], dtype=torch.float64)
         policy = torch.jit.load(self.path("run.pt")).double()
         self.assertLess(policy(goal).abs().max().item(), 1e-6)
         self.assertLess(policy.lyapunov(goal).abs().max().item(), 1e-12)
@@ -137,8 +140,9 @@ class ExportTest(ProgramTest):
         self.assertEqual((policy.dimension, policy.name, policy.unit), (2, "Sine", "mm"))
         self.assertEqual(policy.position_scale, run.data.position_scale)
         self.assertEqual(policy.velocity_scale, run.data.velocity_scale)
-        corners = np.concatenate([run.problem.workspace_lower, run.problem.workspace_upper])
-        np.testing.assert_allclose(policy.workspace, corners * run.data.position_scale, rtol=1e-12)
+        np.testing.assert_array_equal(policy.goal, run.data.goal)
+        corners = [run.data.to_data(run.problem.workspace_lower), run.data.to_data(run.problem.workspace_upper)]
+        np.testing.assert_allclose(policy.workspace, np.concatenate(corners), rtol=1e-12)
 
     def test_safe_is_the_barrier_inside_the_workspace(self):
         path = self.certified()
@@ -148,7 +152,7 @@ class ExportTest(ProgramTest):
         inside = np.all(np.abs(normalised) <= run.problem.workspace_upper, axis=1)
         expected = (run.B(normalised) <= 0.0) & inside
         certain = np.abs(run.B(normalised)) > 1e-3
-        safe = policy.safe(torch.as_tensor(normalised * run.data.position_scale, dtype=torch.float32)).numpy()
+        safe = policy.safe(torch.as_tensor(run.data.to_data(normalised), dtype=torch.float32)).numpy()
         np.testing.assert_array_equal(safe[certain], expected[certain])
         self.assertTrue(0 < safe.sum() < len(safe))
         # Outside, nothing is safe, whatever B says there.
@@ -156,7 +160,7 @@ class ExportTest(ProgramTest):
             command_line.write_network(file, "B", [(np.zeros((1, 2)), [-1.0], "identity")])
         self.export(path, "--out", self.path("always.pt"))
         always = torch.jit.load(self.path("always.pt"))
-        x = torch.as_tensor(normalised * run.data.position_scale, dtype=torch.float32)
+        x = torch.as_tensor(run.data.to_data(normalised), dtype=torch.float32)
         np.testing.assert_array_equal(always.safe(x).numpy(), inside)
 
 
@@ -192,7 +196,7 @@ int main() {{
     def assert_same_values(self, header, run, tolerance):
         n, rng = run.dimension, np.random.default_rng(6)
         normalised = rng.uniform(run.problem.workspace_lower, run.problem.workspace_upper, (400, n))
-        found = self.answers(header, normalised * run.data.position_scale)
+        found = self.answers(header, run.data.to_data(normalised))
         error = np.linalg.norm(found[:, :n] / run.data.velocity_scale - run.f(normalised), axis=1).max()
         self.assertLess(error, tolerance)
         V, B = run.V(normalised), run.B(normalised)

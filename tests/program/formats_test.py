@@ -12,6 +12,7 @@ import unittest
 import warnings
 
 import command_line
+import frame_test
 import numpy as np
 from command_line import PROJECT, ProgramTest, torch_export
 from s2nnds.run import Run
@@ -71,7 +72,7 @@ class Onnx:
         self.about = self.session.get_modelmeta().custom_metadata_map
 
     def __call__(self, x):
-        velocity, lyapunov, barrier = self.session.run(None, {"position": x.astype(np.float32)})
+        velocity, lyapunov, barrier = self.session.run(None, {"position": x})
         lower, upper = np.array(self.about["workspace"].split(", "), dtype=float).reshape(2, -1)
         return velocity, lyapunov, barrier, (barrier <= 0.0) & np.all((x >= lower) & (x <= upper), axis=1)
 
@@ -137,7 +138,7 @@ class FormatsTest(ProgramTest):
     def compare(self, run, policy, x):
         """The largest differences of velocity (normalised), V and B, over what they are allowed to be relative to."""
         found = policy(x)
-        normalised = x / run.data.position_scale
+        normalised = run.data.to_normalized(x)
         expected = run.data.velocity_scale * run.f(normalised), run.V(normalised), run.B(normalised)
         errors = []
         for values, exact, unit in zip(found, expected, (run.data.velocity_scale, 1.0, 1.0)):
@@ -153,7 +154,7 @@ class FormatsTest(ProgramTest):
         run, rng = Run(path), np.random.default_rng(3)
         # Positions that float32 holds, some of them outside of the workspace.
         points = rng.uniform(1.2 * run.problem.workspace_lower, 1.2 * run.problem.workspace_upper, (1008, run.dimension))
-        points = (points * run.data.position_scale).astype(np.float32).astype(float)
+        points = run.data.to_data(points).astype(np.float32).astype(float)
         export = self.exporter(path)
         for name, reader in FORMATS.items():
             with self.subTest(run=title, format=name):
@@ -205,8 +206,9 @@ class FormatsTest(ProgramTest):
         self.assertEqual((about["dimension"], about["name"], about["unit"]), (2, "Sine", "mm"))
         self.assertEqual(about["position_scale"], run.data.position_scale)
         self.assertEqual(about["velocity_scale"], run.data.velocity_scale)
-        corners = np.concatenate([run.problem.workspace_lower, run.problem.workspace_upper])
-        np.testing.assert_allclose(about["workspace"], corners * run.data.position_scale, rtol=1e-12)
+        self.assertEqual(about["goal"], run.data.goal.tolist())
+        corners = [run.data.to_data(run.problem.workspace_lower), run.data.to_data(run.problem.workspace_upper)]
+        np.testing.assert_allclose(about["workspace"], np.concatenate(corners), rtol=1e-12)
         keys = {"disturbance_margin", "convergence_radius", "float32_error"}
         self.assertTrue(keys <= about.keys(), about)
 
@@ -223,13 +225,19 @@ class FormatsTest(ProgramTest):
         with self.assertRaises(Exception):
             policy.module(torch.zeros(4, 3, dtype=torch.float64))
 
-    def test_onnx_takes_float32_alone(self):
+    def test_goals_far_from_the_origin(self):
+        for kind in (frame_test.MILLIMETRES, frame_test.METRES):
+            name = f"far_{kind['unit']}"
+            frame_test.write(self.folder, kind, name=name)
+            self.assert_formats_agree(f"2-D, far goal, {kind['unit']}", self.trained(config=self.path(name + ".toml")))
+
+    def test_onnx_takes_float64_alone(self):
         try:
             policy = Onnx(self.exporter(self.trained()), self.folder)
         except Missing as missing:
             self.skipTest(str(missing))
-        with self.assertRaisesRegex(Exception, r"tensor\(double\).*tensor\(float\)"):
-            policy.session.run(None, {"position": np.zeros((1, 2))})
+        with self.assertRaisesRegex(Exception, r"tensor\(float\).*tensor\(double\)"):
+            policy.session.run(None, {"position": np.zeros((1, 2), dtype=np.float32)})
 
 
 if __name__ == "__main__":

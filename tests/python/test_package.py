@@ -19,6 +19,7 @@ SMALL = {
     "name": "small",
     "data": {"source": "handwriting", "motion": "Sine"},
     "networks": {"f.hidden": [16, 16], "V.hidden": [16], "B.hidden": [16]},
+    "problem.frame": "normalised",
     "problem.unsafe": {"type": "union", "of": [{"type": "ball", "center": [-0.5, 0.5], "radius": 0.1}]},
     "training": {"rounds": 3, "min_rounds": 3, "steps": 20, "samples": 2000, "rollout_points": 200, "enlarge_rounds": 0,
                  "warm_start": {"steps": 100, "attempts": 1}},

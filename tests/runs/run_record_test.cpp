@@ -31,6 +31,8 @@ void expect_equal(const NetworkWeights& a, const NetworkWeights& b) {
 
 void expect_equal(const RunData& a, const RunData& b) {
   EXPECT_EQ(a.frame.unit, b.frame.unit);
+  EXPECT_EQ(a.frame.name, b.frame.name);
+  EXPECT_EQ(a.frame.goal, b.frame.goal);
   EXPECT_EQ(a.frame.goals, b.frame.goals);
   EXPECT_EQ(a.dimension, b.dimension);
   EXPECT_EQ(a.frame.normalization, b.frame.normalization);
@@ -70,6 +72,7 @@ TEST(RunRecord, EverythingComesBack) {
   EXPECT_EQ(a.config.resolved, b.config.resolved);
   EXPECT_EQ(a.config.values, b.config.values);
   expect_equal(a.data, b.data);
+  EXPECT_EQ(a.problem.frame, b.problem.frame);
   EXPECT_EQ(a.problem.unsafe, b.problem.unsafe);
   EXPECT_EQ(a.problem.initial, b.problem.initial);
   EXPECT_EQ(a.problem.containment, b.problem.containment);
@@ -131,6 +134,7 @@ TEST(RunRecord, ThreeDimensionalGridsKeepTheirShape) {
   RunRecord record = unusual_record();
   record.data.dimension = 3;
   record.data.demonstrations.clear();
+  record.data.frame.goal = Vector::Zero(3);
   record.data.frame.goals.resize(0, 3);
   record.data.split = {};
   record.rollouts.clear();
@@ -231,7 +235,7 @@ TEST(RunRecord, DamagedItemsAreNamed) {
     return error_of([&] { load_run(path); });
   };
   EXPECT_EQ(error_after("f.attrs.modify('schema_version', 1)"),
-            path + ": found a run file of schema 1, expected schema 2");
+            path + ": found a run file of schema 1, expected schema 3");
   EXPECT_EQ(error_after("del f.attrs['schema_version']"),
             path + ": expected a run file, found HDF5 without a schema_version");
   EXPECT_EQ(
@@ -332,7 +336,7 @@ TEST(RunRecord, OtherProgramsReadTheFile) {
   put_bytes(script, R"(
 import h5py, sys
 with h5py.File(sys.argv[1]) as f:
-    assert f.attrs['schema_version'] == 2
+    assert f.attrs['schema_version'] == 3
     assert f.attrs['created'] == '2024-05-31T12:00:00Z'
     assert f['config/text'][()].decode() == '# a comment\nseed = 1\n'
     assert f['config/values'].attrs['zeta.b'] == '3'

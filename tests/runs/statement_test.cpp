@@ -62,7 +62,25 @@ TEST(Statement, ShowsTheWitnessOfARefutationInTheUnitOfTheData) {
   EXPECT_TRUE(says(record, "REFUTED unsafe: it is violated at (0.25, -0.5), which is (10, -20) mm"))
       << guarantee_statement(record);
   record.data.frame.unit = "";
-  EXPECT_TRUE(says(record, "it is violated at (0.25, -0.5).")) << guarantee_statement(record);
+  EXPECT_TRUE(says(record, "(10, -20) units of the data from the goal.")) << guarantee_statement(record);
+}
+
+TEST(Statement, SpeaksOfTheDatasFrameAlone) {
+  RunRecord record = record_with(Guarantee::invariant);
+  record.data.frame.goal = Vector{{500.0, 200.0}};
+  record.data.frame.name = "base_link";
+  record.problem.frame = "data";
+  record.problem.unsafe = "ball centre (300, 400) radius 40";
+  record.certificate.disturbance_margin = 0.02;
+  record.certificate.conditions = {verdict_of(Condition::unsafe, Method::proof, Verdict::refuted)};
+  record.certificate.conditions[0].witness = {0.25, -0.5};
+  const std::string found = guarantee_statement(record);
+  for (const char* words : {"REFUTED unsafe: it is violated at (510, 180) mm.", "|w| <= 1 mm/s,",
+                            "(frame base_link), in mm: the goal is",
+                            "the goal is (500, 200) mm, the workspace (450, 150) mm to (550, 250) mm",
+                            "ball centre (300, 400) radius 40"})
+    EXPECT_TRUE(says(record, words)) << words << ": " << found;
+  EXPECT_EQ(found.find("normalised"), std::string::npos) << found;
 }
 
 TEST(Statement, OfConformalNamesSamplesEpsilonAndBeta) {

@@ -37,7 +37,9 @@ inline RunRecord unusual_record() {
               .values = {{"zeta.b", "3"}, {"alpha", "x"}}};
   r.data.dimension = 2;
   r.data.frame = {.unit = "mm",
+                  .name = "base_link",
                   .normalization = "max_norm",
+                  .goal = c.vector(2),
                   .goals = c.points(3, 2),
                   .position_scale = 42.5,
                   .velocity_scale = 17.25};
@@ -46,7 +48,8 @@ inline RunRecord unusual_record() {
     r.data.demonstrations.push_back(
         {.time = c.vector(samples), .position = c.points(samples, 2), .velocity = c.points(samples, 2)});
   }
-  r.problem = {.unsafe = "ball",
+  r.problem = {.frame = "data",
+               .unsafe = "ball",
                .initial = "box",
                .containment = 0.97,
                .level_band = 0.01,

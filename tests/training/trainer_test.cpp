@@ -19,6 +19,7 @@ namespace {
 
 // A small problem: handwriting with a ball beside it.
 struct Fixture {
+  Frame frame;
   std::vector<Demonstration> demonstrations;
   SafetyProblem problem;
   NetworkOptions networks;
@@ -26,12 +27,14 @@ struct Fixture {
 
   Fixture() {
     const DemonstrationSet set = handwriting("Sine");
-    demonstrations = find_frame(set, "max_abs").normalize(set.demonstrations);
+    frame = find_frame(set, "max_abs", {"each"});
+    demonstrations = frame.normalize(set.demonstrations);
     ProblemOptions p;
+    p.frame = "normalised";
     p.unsafe.type = "ball";
     p.unsafe.center = {-0.32, 0.22};
     p.unsafe.radius = 0.1;
-    problem = make_problem(p, demonstrations);
+    problem = make_problem(p, demonstrations, frame);
     networks.f.network.hidden = networks.B.network.hidden = {16, 16};
     networks.V.network.hidden = {16};
     networks.V.features = 8;
@@ -212,11 +215,12 @@ TEST(Trainer, RefusesNetworksOfAnotherShape) {
 TEST(BatchSampler, LeavesOutSamplesNearTheObstacleAndOnlyThose) {
   Fixture fixture;
   ProblemOptions p;
+  p.frame = "normalised";
   p.unsafe.type = "ball";
   const Vector through = fixture.demonstrations[0].position.row(400);
   p.unsafe.center = {through[0], through[1]};
   p.unsafe.radius = 0.05;
-  const SafetyProblem problem = make_problem(p, fixture.demonstrations);
+  const SafetyProblem problem = make_problem(p, fixture.demonstrations, fixture.frame);
   fixture.options.obstacle_margin = 0.05;
   const BatchSampler sampler(problem, fixture.demonstrations, fixture.options);
   EXPECT_GT(sampler.left_out_samples(), 0);
@@ -233,11 +237,12 @@ TEST(BatchSampler, LeavesOutSamplesNearTheObstacleAndOnlyThose) {
 TEST(BatchSampler, KeepsSamplesDeepInsideTheObstacle) {
   Fixture fixture;
   ProblemOptions p;
+  p.frame = "normalised";
   p.unsafe.type = "box";
   const Vector through = fixture.demonstrations[0].position.row(400);
   p.unsafe.lower = {through[0] - 0.1, through[1] - 0.1};
   p.unsafe.upper = {through[0] + 0.1, through[1] + 0.1};
-  const SafetyProblem problem = make_problem(p, fixture.demonstrations);
+  const SafetyProblem problem = make_problem(p, fixture.demonstrations, fixture.frame);
   fixture.options.obstacle_margin = 0.04;
   const BatchSampler sampler(problem, fixture.demonstrations, fixture.options);
   const auto distance = [&](const Points& x) {  // per axis, from the obstacle's centre
@@ -323,6 +328,7 @@ TEST(BatchSampler, DisplacesSamplesInX0AcrossTheirVelocityAndNoOthers) {
 // B = x - 0.5 on a ball at (0.7, 0): violated only where x < 0.5 inside the ball, a sliver of its area.
 TEST(Falsifiers, FindASliverThatViolates) {
   ProblemOptions p;
+  p.frame = "normalised";
   p.containment = 0.0;
   p.unsafe.type = "ball";
   p.unsafe.center = {0.7, 0.0};
@@ -331,7 +337,7 @@ TEST(Falsifiers, FindASliverThatViolates) {
   p.initial.center = {-0.5, 0.0};
   p.initial.radius = 0.1;
   Fixture fixture;
-  const SafetyProblem problem = make_problem(p, fixture.demonstrations);
+  const SafetyProblem problem = make_problem(p, fixture.demonstrations, fixture.frame);
   Networks networks;
   Layer linear{Points(1, 2), Vector::Constant(1, -0.5)};
   linear.weight << 1.0, 0.0;

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Policy(torch.nn.Module):
-    """Velocities of positions, both in the data's unit, goal at the origin. What an exported TorchScript module answers.
+    """Velocities of positions, in the data's unit and frame. What an exported TorchScript module answers.
 
     policy(x)                                             [N, n] -> [N, n]
     policy.safe(x), policy.barrier(x), policy.lyapunov(x) [N]
@@ -30,11 +30,12 @@ class Policy(torch.nn.Module):
         self.dimension: int = run.dimension
         self.position_scale: float = run.data.position_scale
         self.velocity_scale: float = run.data.velocity_scale
-        self.register_buffer("workspace_lower", self.position_scale * torch.tensor(run.problem.workspace_lower))
-        self.register_buffer("workspace_upper", self.position_scale * torch.tensor(run.problem.workspace_upper))
+        self.register_buffer("goal", torch.tensor(run.data.goal))
+        self.register_buffer("workspace_lower", torch.tensor(run.data.to_data(run.problem.workspace_lower)))
+        self.register_buffer("workspace_upper", torch.tensor(run.data.to_data(run.problem.workspace_upper)))
 
     def _normalised(self, x: torch.Tensor) -> torch.Tensor:
-        return x.to(self.workspace_lower.dtype) / self.position_scale
+        return (x.to(self.goal.dtype) - self.goal) / self.position_scale
 
     def forward(self, x: torch.Tensor) -> torch.Tensor:
         return (self.velocity_scale * self.f(self._normalised(x))).to(x.dtype)
@@ -47,5 +48,6 @@ class Policy(torch.nn.Module):
 
     def safe(self, x: torch.Tensor) -> torch.Tensor:
         """[N] whether x lies in the safe set: B <= 0, within the workspace."""
-        inside = (x >= self.workspace_lower.to(x.dtype)) & (x <= self.workspace_upper.to(x.dtype))
+        y = x.to(self.workspace_lower.dtype)
+        inside = (y >= self.workspace_lower) & (y <= self.workspace_upper)
         return (self.barrier(x) <= 0) & inside.all(1)

@@ -30,7 +30,7 @@ try:
 except ImportError:  # not compiled: NumPy evaluates the networks
     Evaluator = None
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 
 class RunError(Exception):
@@ -205,6 +205,7 @@ class StoredProblem:
 
     workspace_lower: np.ndarray  # [n]
     workspace_upper: np.ndarray  # [n]
+    frame: str = "normalised"  # whose unit and frame the descriptions below are in: data, normalised
     unsafe: str = ""  # descriptions of the sets
     initial: str = ""
     containment: float = 0.0  # {B <= 0} lies in containment * workspace; 0: not asked for
@@ -232,9 +233,11 @@ class Data:
     normalization: str  # max_abs, max_norm
     position_scale: float  # in `unit`
     velocity_scale: float  # in `unit` per second
-    goals: np.ndarray  # [K, n] in `unit`: the place of each demonstration's goal
+    goal: np.ndarray  # [n] in `unit`: where the goal lies in the data's frame
+    goals: np.ndarray  # [K, n] in `unit`: what is subtracted from each demonstration; all the goal unless they are moved
     train: list  # indices into demonstrations
     test: list
+    frame_name: str = ""  # of the data's frame: "base_link"; "" when not told
     demonstrations: list = field(default_factory=list)
     report: list = field(default_factory=list)  # what was recognised and cleaned while reading, a line each
 
@@ -242,11 +245,6 @@ class Data:
     def time_scale(self):
         """Seconds per unit of normalised time."""
         return self.position_scale / self.velocity_scale
-
-    @property
-    def goal(self):
-        """[n] where the common goal lies in the data's frame: the middle of the demonstrations' goals."""
-        return self.goals[0] + (self.goals - self.goals[0]).mean(axis=0)
 
     @property
     def normalized(self):
@@ -367,6 +365,26 @@ class Run:
 
         return Policy(self)
 
+    # The policy as it is exported: positions [N, n] or [n] in the data's unit and frame.
+
+    def velocity(self, position):
+        """In the data's unit per second: [N, n], or [n] for a single point."""
+        return self.data.velocity_scale * self.f(self.data.to_normalized(position))
+
+    def lyapunov(self, position):
+        """V: [N], or a number for a single point."""
+        return self.V(self.data.to_normalized(position))
+
+    def barrier(self, position):
+        """B, <= 0 in the safe set: [N], or a number for a single point."""
+        return self.B(self.data.to_normalized(position))
+
+    def safe(self, position):
+        """Whether B <= 0 inside the workspace: [N], or a truth value for a single point."""
+        z = self.data.to_normalized(position)
+        inside = np.all((z >= self.problem.workspace_lower) & (z <= self.problem.workspace_upper), axis=-1)
+        return inside & (self.B(z) <= 0.0)
+
     def in_data_unit(self):
         """A copy with workspace, demonstrations, rollouts, grid and open boxes in the data's unit and frame, times in s.
 
@@ -419,7 +437,7 @@ class Run:
             **{
                 key: value
                 for key, value in _attributes(problem).items()
-                if key in ("unsafe", "initial", "containment", "level_band")
+                if key in ("frame", "unsafe", "initial", "containment", "level_band")
             },
         )
         self.f, self.V, self.B = (_network(file["networks"][key]) for key in "fVB")
@@ -457,8 +475,10 @@ class Run:
             values.get("normalization", ""),
             float(values["position_scale"]),
             float(values["velocity_scale"]),
+            _array(group, "goal", (n,)),
             _array(group, "goals", (None, n)),
             **indices,
+            frame_name=values.get("frame_name", ""),
         )
         if "report" in group:
             self.data.report = [str(_plain(line)) for line in group["report"][()]]
