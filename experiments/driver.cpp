@@ -15,6 +15,7 @@
 #include "s2nnds/core/platform.h"
 #include "s2nnds/core/python_module.h"
 #include "s2nnds/data/readers.h"
+#include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/prepared_run.h"
 #include "s2nnds/runs/summary.h"
 #include "s2nnds/runs/version.h"
@@ -92,7 +93,7 @@ std::vector<Run> run_all(const Driver& driver, const Arguments& arguments) {
     const Trial trial = sweep.trial(result.trial);
     const std::string label = sweep.label(trial), path = folder.run(result.trial);
     check(!result.failed, "{}: {}", label, result.error);
-    json summary = json::parse(summary_json(load_run(path), path));
+    json summary = json::parse(summary_json(load_certified_run(path), path));
     summary.erase("threads");  // of this process, not of the run's
     runs.push_back({trial, sweep.configs[static_cast<std::size_t>(trial.config)].name, label, path, summary});
   }

@@ -23,7 +23,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "pyt
 import readme_picture
 from s2nnds import plot_run
 from s2nnds.isosurface import isosurface
-from s2nnds.run import ACTIVATIONS, Network, Run, RunError
+from s2nnds.run import ACTIVATIONS, Network, Run, RunError, weight_hash
 
 
 def random_network(rng, n, outputs, activation="tanh", head="plain", quadratic=0.0, bias=True):
@@ -120,10 +120,19 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
         for name, network in (("f", f), ("V", V), ("B", B)):
             write_network(file.create_group(f"networks/{name}"), network)
         certificate = file.create_group("certificate")
+        digest = weight_hash(f, V, B)
+        scope = f"""
+            weights = "{digest}"
+            frame = {{ goal = {data["goal"][()].tolist()}, position_scale = 46.25, velocity_scale = 120.0 }}
+            problem.workspace_lower = {[-1.25] * n}
+            problem.workspace_upper = {[1.25] * n}
+            problem.level_band = 0.02
+        """
         certificate.attrs.update(
             guarantee=guarantee,
             method="proof",
-            weight_hash="00",
+            weight_hash=digest,
+            scope=scope,
             disturbance_margin=0.01,
             convergence_radius=0.02,
             statement="synthetic",
@@ -319,6 +328,22 @@ class ReaderTest(TemporaryFolder):
         at = [run.grid.axes[0][i], run.grid.axes[1][j]]
         self.assertAlmostEqual(run.grid.V[i, j], run.V(at), places=12)
         np.testing.assert_allclose(run.grid.velocity[i, j], run.f(at), atol=1e-12)
+
+    def test_a_certificate_of_another_run_is_refused(self):
+        path = os.path.join(self.folder, "edited.h5")
+        edits = {
+            "networks/f/weight_0": lambda item: item.__setitem__((0, 0), 5.0),
+            "problem/workspace_upper": lambda item: item.__setitem__(0, 2.0),
+            "data": lambda item: item.attrs.__setitem__("position_scale", 92.5),
+            "certificate": lambda item: item.attrs.__setitem__("scope", ""),
+        }
+        for name, edit in edits.items():
+            synthetic_run(path)
+            Run(path)
+            with h5py.File(path, "r+") as file:
+                edit(file[name])
+            with self.assertRaisesRegex(RunError, "its certificate speaks of", msg=name):
+                Run(path)
 
     def test_in_the_datas_unit_everything_shares_one_frame(self):
         synthetic_run(self.path("run.h5"), open_boxes=5)

@@ -17,6 +17,7 @@
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/export_format.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
+#include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/evaluation_run.h"
 #include "s2nnds/runs/summary.h"
 #include "s2nnds/runs/threads.h"
@@ -154,6 +155,11 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   if (arguments.beta) options.conformal.beta = *arguments.beta;
   validate(options);
   const Method method = enum_from<Method>(arguments.method);
+  if (!record.certificate.conditions.empty() &&
+      record.certificate.scope != certified_scope(setup, record.networks)) {
+    spdlog::warn("{}: its certificate spoke of other weights or another problem; a new one begins",
+                 arguments.run);
+  }
   s2nnds::verify(setup, record, method, options, proof_printer());
   save_run(arguments.run, record);
   fmt::print("{}", condition_tables(record));
@@ -167,7 +173,7 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
 
 int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) {
   set_threads(common.threads);
-  RunRecord record = load_run(arguments.run);
+  RunRecord record = load_certified_run(arguments.run);
   check_writable(arguments.run);
   const PreparedRun setup = prepare_stored(record, data_directory(common.data));
   s2nnds::evaluate(setup, record);
@@ -190,7 +196,7 @@ int export_policy(const ExportArguments& arguments, const CommonArguments& commo
   const ExportFormat& format = export_format_from(arguments.format);
   if (format.libtorch) need_libtorch(common);
   set_threads(common.threads);
-  const RunRecord record = load_run(arguments.run);
+  const RunRecord record = load_certified_run(arguments.run);
   const std::string path =
       arguments.out.empty() ? sibling(arguments.run, std::string(format.ending)) : arguments.out;
   check_writable(path);
@@ -202,7 +208,7 @@ int export_policy(const ExportArguments& arguments, const CommonArguments& commo
 }
 
 int plot(const PlotArguments& arguments) {
-  load_run(arguments.run);  // says what is wrong with a bad file
+  load_certified_run(arguments.run);  // says what is wrong with a bad file
   const std::string out = arguments.out.empty() ? sibling(arguments.run, "-figures") : arguments.out;
   return run_python_module("plot", "plot_run", {arguments.run, "--out", out});
 }
@@ -213,7 +219,7 @@ int import_recordings(const std::vector<std::string>& words) {
 
 int info(const InfoArguments& arguments, const CommonArguments& common) {
   set_threads(common.threads);
-  const RunRecord record = load_run(arguments.run);
+  const RunRecord record = load_certified_run(arguments.run);
   fmt::print("{}", first_screen(record, arguments.run));
   if (arguments.all) {
     fmt::print("\n{}", details(record));

@@ -10,6 +10,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/settings.h"
 #include "s2nnds/data/readers.h"
+#include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/config.h"
 #include "s2nnds/runs/prepared_run.h"
 #include "s2nnds/runs/summary.h"
@@ -66,7 +67,7 @@ int run_trial(const Sweep& sweep, const SweepFolder& folder, std::int64_t id, co
   int code = kVerified;
   try {
     code = train_trial(sweep, folder, trial, common);
-    take_summary(summary_json(load_run(folder.run(id)), folder.run(id)), result);
+    take_summary(summary_json(load_certified_run(folder.run(id)), folder.run(id)), result);
   } catch (const std::exception& error) {
     const bool refused = dynamic_cast<const Error*>(&error) != nullptr;
     result.failed = true;

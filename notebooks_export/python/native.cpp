@@ -15,6 +15,7 @@
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/export_format.h"
 #include "s2nnds/networks/evaluator.h"
+#include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/evaluation_run.h"
 #include "s2nnds/runs/threads.h"
 #include "s2nnds/runs/training_run.h"
@@ -173,7 +174,7 @@ void verify(const std::string& path, const std::string& method, int threads,
 void evaluate(const std::string& path, int threads) {
   const py::gil_scoped_release release;
   s2nnds::set_threads(threads);
-  RunRecord record = s2nnds::load_run(path);
+  RunRecord record = s2nnds::load_certified_run(path);
   s2nnds::evaluate(s2nnds::prepare(record), record);
   s2nnds::save_run(path, record);
 }
@@ -181,8 +182,8 @@ void evaluate(const std::string& path, int threads) {
 void export_policy(const std::string& run, const std::string& format, const std::string& precision,
                    const std::string& path) {
   const py::gil_scoped_release release;
-  s2nnds::export_policy(s2nnds::policy_of(s2nnds::load_run(run)), s2nnds::export_format_from(format),
-                        {s2nnds::header_precision_from(precision)}, path);
+  s2nnds::export_policy(s2nnds::policy_of(s2nnds::load_certified_run(run)),
+                        s2nnds::export_format_from(format), {s2nnds::header_precision_from(precision)}, path);
 }
 
 std::vector<std::pair<std::string, std::string>> export_endings() {

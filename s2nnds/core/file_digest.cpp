@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/core/file_digest.h"
 
-#include <openssl/evp.h>
-
-#include <array>
 #include <string_view>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/sha256.h"
 
 namespace s2nnds {
 namespace {
@@ -14,14 +12,7 @@ namespace {
 constexpr std::string_view kMark = "\ns2nnds-sha256 ";
 constexpr std::size_t kLength = kMark.size() + 64 + 1;  // of the line, in bytes
 
-std::string line_of(std::string_view bytes) {
-  std::array<unsigned char, 32> digest{};
-  check(EVP_Digest(bytes.data(), bytes.size(), digest.data(), nullptr, EVP_sha256(), nullptr) == 1,
-        "SHA-256: OpenSSL cannot compute it");
-  std::string line(kMark);
-  for (const unsigned char byte : digest) line += fmt::format("{:02x}", byte);
-  return line + "\n";
-}
+std::string line_of(std::string_view bytes) { return std::string(kMark) + sha256(bytes) + "\n"; }
 
 }  // namespace
 

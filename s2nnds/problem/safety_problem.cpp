@@ -139,22 +139,25 @@ void check_demonstrations_inside(const Box& workspace, const std::vector<Demonst
   }
 }
 
-RegionPtr make_initial(const ProblemOptions& options, const Points& starts, const UserCoordinates& user,
-                       const Box& contained, RegionFiles& files) {
+std::vector<double> numbers(const Vector& x) { return {x.begin(), x.end()}; }
+
+// X0 with its place found in the demonstrations, where the options leave that open.
+RegionOptions find_initial(const ProblemOptions& options, const Points& starts, const UserCoordinates& user,
+                           const Box& contained) {
   const std::string& type = options.initial.type;
   if (type == "ball_auto") {
     check(options.initial.radius > 0.0, "problem.initial: radius is {}, expected > 0",
           options.initial.radius);
     const Vector mean = starts.colwise().mean().transpose();
-    return user.region(ball(user.written(mean), options.initial.radius));
+    return {.type = "ball", .center = numbers(user.written(mean)), .radius = options.initial.radius};
   }
-  if (type != "auto")
-    return user.region(make_region(options.initial, starts.cols(), files, "problem.initial"));
+  if (type != "auto") return options.initial;
   const bool bounded = !options.bounds.lower.empty();
   const Box clip = bounded ? contained : Box::cube(starts.cols(), 1.0);
   const Box grown{starts.colwise().minCoeff().transpose().array() - options.padding,
                   starts.colwise().maxCoeff().transpose().array() + options.padding};
-  return user.region(box_region(user.outside(grown).intersection(user.inside(clip))));
+  const Box box = user.outside(grown).intersection(user.inside(clip));
+  return {.type = "box", .lower = numbers(box.lower), .upper = numbers(box.upper)};
 }
 
 // A point that both regions hold within the box, if one is found.
@@ -232,11 +235,14 @@ SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demo
   SafetyProblem problem;
   problem.workspace = whole;
   check_demonstrations_inside(problem.workspace, demonstrations, user);
+  problem.contained = contained;
+  problem.written_unsafe = options.unsafe;
   problem.unsafe = make_region(options.unsafe, dimension, files, "problem.unsafe");
   if (options.unsafe.type != "none") problem.unsafe = user.region(problem.unsafe);
   check_unsafe(problem, options.unsafe.type, user);
   if (options.containment > 0.0) problem.workspace_margin = complement(box_region(contained));
-  problem.initial = make_initial(options, first_points(demonstrations), user, contained, files);
+  problem.written_initial = find_initial(options, first_points(demonstrations), user, contained);
+  problem.initial = user.region(make_region(problem.written_initial, dimension, files, "problem.initial"));
   check_initial(problem, contained, user);
   return problem;
 }

@@ -20,6 +20,10 @@ struct SafetyProblem {
   // What lies outside of containment * X, closed: entering it counts as leaving the workspace. Null if the safe
   // set need not be contained.
   RegionPtr workspace_margin;
+  Box contained;  // the part of X that the safe set must lie in; X itself where that is not asked
+  // X0 and Xu as one would write them in the unit and frame of problem.frame, with nothing left to find out: what
+  // make_region() makes of them are the sets above.
+  RegionOptions written_initial, written_unsafe;
 
   Eigen::Index dimension() const { return workspace.dimension(); }  // n
 };

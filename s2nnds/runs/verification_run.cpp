@@ -3,6 +3,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
+#include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/statement.h"
 #include "s2nnds/verification/disturbance_margin.h"
 #include "s2nnds/verification/float32_error.h"
@@ -69,16 +70,18 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
             const ProofProgress& progress) {
   const Stopwatch watch;
   Certificate& certificate = record.certificate;
-  const std::string hash = weight_hash(record.networks);
-  check(certificate.weight_hash.empty() || certificate.weight_hash == hash,
-        "certificate: it speaks of weights with hash {}, the run holds {}", certificate.weight_hash, hash);
-  certificate.weight_hash = hash;
+  // What was found of other weights or of another problem is void. The conformal attempts go on being counted.
+  if (certificate.scope != certified_scope(setup, record.networks)) {
+    certificate = {.attempts = certificate.attempts};
+  }
+  certificate.weight_hash = weight_hash(record.networks);
   certificate.level_band = setup.config.training.level_band;
   const std::vector<ConditionVerdict> verdicts = verdicts_by(method, setup, record, options, progress);
   std::erase_if(certificate.conditions, [&](const ConditionVerdict& old) { return old.method == method; });
   certificate.conditions.insert(certificate.conditions.end(), verdicts.begin(), verdicts.end());
   certificate.guarantee = guarantee_of(certificate.conditions, certificate.side, setup.problem);
   certificate.statement = guarantee_statement(record);
+  seal_certificate(setup, record);
   seconds_of(method, record.timing) = watch.seconds();
 }
 

@@ -40,6 +40,8 @@ void SideConditions::visit(FieldVisitor& v) {
 void Certificate::visit(FieldVisitor& v) {
   visit_enum(v, "guarantee", guarantee);
   v.field("weight_hash", weight_hash);
+  v.field("scope", scope);
+  v.field("seal", seal);
   v.field("attempts", attempts, kCount);
   v.field("level_band", level_band, at_least(0));
   v.field("disturbance_margin", disturbance_margin, at_least(0));

@@ -92,7 +92,8 @@ TEST(Statement, OfConformalNamesSamplesEpsilonAndBeta) {
                                     .epsilon = 1e-4,
                                     .beta = 5e-5,
                                     .attempt = 2,
-                                    .witness = {}},
+                                    .witness = {},
+                                    .reason = {}},
                                    {.condition = Condition::initial,
                                     .method = Method::conformal,
                                     .verdict = Verdict::passed,
@@ -100,7 +101,8 @@ TEST(Statement, OfConformalNamesSamplesEpsilonAndBeta) {
                                     .epsilon = 1e-4,
                                     .beta = 5e-5,
                                     .attempt = 2,
-                                    .witness = {}}};
+                                    .witness = {},
+                                    .reason = {}}};
   for (const char* words : {"confidence 1 - 0.0001", "attempt 2", "250000", "seed 4", "epsilon = 0.0001",
                             "does not prove that every motion is safe"})
     EXPECT_TRUE(says(record, words)) << words << ": " << guarantee_statement(record);

@@ -95,6 +95,7 @@ inline RunRecord unusual_record() {
              .open_boxes = 17,
              .open_volume = c.next(),
              .witness = {0.5, -0.5},
+             .reason = "why not",
              .seconds = c.next()};
   r.evaluation = {.mse_train = c.next(),
                   .mse_test = c.next(),

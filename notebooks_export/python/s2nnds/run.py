@@ -19,7 +19,10 @@ position_scale, velocity / velocity_scale, (time - first time) * velocity_scale 
 """
 
 import copy
+import hashlib
+import struct
 import sys
+import tomllib
 from dataclasses import dataclass, field, replace
 
 import h5py
@@ -66,6 +69,7 @@ class Network:
     layers: list
     head: str = "plain"
     quadratic: float = 0.0
+    unbiased: frozenset = frozenset()  # the layers, from 0, whose bias the file leaves out: it is 0
     _evaluator: object = field(default=None, init=False, repr=False, compare=False)  # compiled, made when first needed
 
     @property
@@ -333,11 +337,36 @@ def _network(group):
         head in ("plain", "zero_at_origin", "squared_norm"),
         f"{group.name}: head: found '{head}', expected plain, zero_at_origin or squared_norm",
     )
-    return Network(layers, head, float(group.attrs.get("quadratic", 0.0)))
+    unbiased = frozenset(k for k in range(len(layers)) if f"bias_{k}" not in group)
+    return Network(layers, head, float(group.attrs.get("quadratic", 0.0)), unbiased)
+
+
+def weight_hash(f, V, B):
+    """SHA-256 of three networks, as the program computes it: little-endian 64-bit words, texts after their length."""
+    digest = hashlib.sha256()
+
+    def words(*numbers):
+        digest.update(struct.pack(f"<{len(numbers)}Q", *numbers))
+
+    def text(value):
+        words(len(value))
+        digest.update(value.encode())
+
+    for network in (f, V, B):
+        text("anchored" if network.head == "zero_at_origin" else network.head)
+        digest.update(struct.pack("<d", network.quadratic))
+        words(len(network.layers))
+        for k, (weight, bias, activation) in enumerate(network.layers):
+            bias = () if k in network.unbiased else bias
+            text(activation)
+            words(*weight.shape, len(bias))
+            digest.update(np.asarray(weight, dtype="<f8").tobytes() + np.asarray(bias, dtype="<f8").tobytes())
+    return digest.hexdigest()
 
 
 class Run:
-    """One run file, read whole. Throws RunError when the file is missing, broken or of another schema."""
+    """One run file, read whole. Throws RunError when the file is missing, broken or of another schema, and when its
+    certificate claims something of other weights or of another problem than the file holds."""
 
     def __init__(self, path):
         self.path = str(path)
@@ -503,8 +532,31 @@ class Run:
         group = file.get("certificate", {})
         self.certificate = {"guarantee": "none", **(_fields(group) if group else {})}
         self.certificate["conditions"] = [_fields(item) for item in _numbered(group.get("conditions", {}))]
+        if self.guarantee != "none":
+            self._check_scope()
         boxes = group.get("open_boxes", {})  # condition -> [k, 2n]: lower corner, then upper
         self.open_boxes = {name: _array(boxes, name, (None, 2 * self.dimension)) for name in boxes}
+
+    def _check_scope(self):
+        try:
+            scope = tomllib.loads(self.certificate.get("scope", ""))
+        except tomllib.TOMLDecodeError:
+            scope = {}
+        frame, problem = scope.get("frame", {}), scope.get("problem", {})
+        pairs = [
+            (scope.get("weights"), weight_hash(self.f, self.V, self.B)),
+            (frame.get("goal"), self.data.goal),
+            (frame.get("position_scale"), self.data.position_scale),
+            (frame.get("velocity_scale"), self.data.velocity_scale),
+            (problem.get("workspace_lower"), self.problem.workspace_lower),
+            (problem.get("workspace_upper"), self.problem.workspace_upper),
+            (problem.get("level_band"), self.problem.level_band),
+        ]
+        _require(
+            all(np.array_equal(certified, found) for certified, found in pairs),
+            "found weights, a problem or data other than those that its certificate speaks of; "
+            "`s2nnds verify` makes a new one",
+        )
 
     def _read_rollout(self, group):
         time = _array(group, "time", (None,))

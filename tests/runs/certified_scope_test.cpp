@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "s2nnds/runs/certified_scope.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/runs/verification_run.h"
+#include "tests/verification/hand_made_system.h"
+
+namespace s2nnds {
+namespace {
+
+// A verified run of a hand-made system on shipped demonstrations.
+struct CertifiedScope : testing::Test {
+  CertifiedScope() {
+    const std::string text = R"(
+name = "scope"
+[data]
+source = "handwriting"
+[problem]
+frame = "normalised"
+unsafe = { type = "ball", center = [1.05, 1.05], radius = 0.1 }
+)";
+    const PreparedRun setup = prepare(parse_config(text, "a test"), "");
+    record = new_record(setup, text);
+    record.networks = simple_networks();
+    VerificationOptions options = setup.config.verification;
+    options.sampled.samples = 1000;
+    verify(setup, record, Method::sampled, options);
+  }
+
+  std::string message(const std::function<void(RunRecord&)>& edit) const {
+    RunRecord edited = record;
+    edit(edited);
+    try {
+      check_certificate(edited, "run.h5");
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+  static void replace(std::string& text, const std::string& old, const std::string& with) {
+    ASSERT_NE(text.find(old), std::string::npos) << text;
+    text.replace(text.find(old), old.size(), with);
+  }
+
+  RunRecord record;
+};
+
+TEST_F(CertifiedScope, OfAnUntouchedRunIsAccepted) {
+  EXPECT_FALSE(record.certificate.conditions.empty());
+  EXPECT_NE(record.certificate.scope.find(record.certificate.weight_hash), std::string::npos);
+  EXPECT_EQ(message([](RunRecord&) {}), "");
+}
+
+TEST_F(CertifiedScope, EveryEditOfWhatTheCertificateDependsOnIsNoticed) {
+  const std::vector<std::pair<std::string, std::function<void(RunRecord&)>>> edits = {
+      {"f negated", [](RunRecord& r) { r.networks.f.layers[0].weight *= -1.0; }},
+      {"a bit of B", [](RunRecord& r) { r.networks.B.layers[0].weight(0, 0) *= 1.0 + 1e-15; }},
+      {"obstacle", [](RunRecord& r) { replace(r.config.resolved, "radius = 0.1", "radius = 0.05"); }},
+      {"band", [](RunRecord& r) { replace(r.config.resolved, "level_band = 0.01", "level_band = 0.001"); }},
+      {"workspace", [](RunRecord& r) { replace(r.config.resolved, "workspace = 1.25", "workspace = 1.5"); }},
+      {"containment",
+       [](RunRecord& r) { replace(r.config.resolved, "containment = 0.985", "containment = 0.99"); }},
+      {"initial set", [](RunRecord& r) { replace(r.config.resolved, "padding = 0.02", "padding = 0.01"); }},
+      {"frame", [](RunRecord& r) { r.data.frame.position_scale *= 2.0; }},
+      {"speed", [](RunRecord& r) { r.data.frame.velocity_scale *= 2.0; }},
+      {"goal", [](RunRecord& r) { r.data.frame.goal[0] += 1.0; }},
+      {"unit", [](RunRecord& r) { r.data.frame.unit = "km"; }},
+      {"words", [](RunRecord& r) { r.problem.unsafe = "none"; }},
+      {"band in words", [](RunRecord& r) { r.problem.level_band = 0.5; }},
+      {"guarantee", [](RunRecord& r) { r.certificate.guarantee = Guarantee::invariant; }},
+      {"margin", [](RunRecord& r) { r.certificate.disturbance_margin = 0.5; }},
+      {"statement", [](RunRecord& r) { r.certificate.statement = "All is well."; }},
+      {"a verdict", [](RunRecord& r) { r.certificate.conditions[0].verdict = Verdict::proved; }},
+      {"no hash", [](RunRecord& r) { r.certificate.weight_hash = ""; }},
+      {"no scope", [](RunRecord& r) { r.certificate.scope = r.certificate.seal = ""; }},
+  };
+  for (const auto& [what, edit] : edits) {
+    const std::string found = message(edit);
+    EXPECT_TRUE(found.starts_with("run.h5: found ")) << what << ": " << found;
+    EXPECT_EQ(found.find('\n'), std::string::npos);
+  }
+}
+
+TEST_F(CertifiedScope, VerifyingAnEditedRunBeginsANewCertificate) {
+  record.networks.f.layers[0].weight *= -1.0;
+  const PreparedRun setup = prepare(record);
+  record.certificate.guarantee = Guarantee::invariant;
+  record.certificate.disturbance_margin = 0.5;
+  VerificationOptions options = setup.config.verification;
+  options.sampled.samples = 1000;
+  verify(setup, record, Method::sampled, options);
+  EXPECT_EQ(record.certificate.guarantee, Guarantee::none);
+  EXPECT_EQ(record.certificate.disturbance_margin, 0.0);
+  EXPECT_NO_THROW(check_certificate(record, "run.h5"));
+}
+
+}  // namespace
+}  // namespace s2nnds
