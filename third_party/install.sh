@@ -34,6 +34,7 @@ build nlohmann-json3-dev header:nlohmann/json.hpp
 build libonnx-dev header:onnx/onnx_pb.h
 build libprotobuf-dev header:google/protobuf/message.h
 build libssl-dev header:openssl/evp.h
+build libmpfr-dev header:mpfr.h
 build python3 command:python3
 build python3-numpy module:numpy
 build python3-h5py module:h5py
@@ -44,7 +45,6 @@ test python3-dev command:python3-config
 test python3-pytest module:pytest
 test libgtest-dev header:gtest/gtest.h
 test libbenchmark-dev header:benchmark/benchmark.h
-test libmpfr-dev header:mpfr.h
 test python3-torch module:torch
 test python3-scipy module:scipy
 test python3-sklearn module:sklearn
