@@ -14,6 +14,7 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)                   # plain matrices
 find_package(Boost 1.74 REQUIRED CONFIG)                      # Math (incomplete beta), Odeint, Random (Sobol), Multiprecision (tests)
 find_package(HDF5 1.10 REQUIRED COMPONENTS C)                 # run files
 find_package(fmt 9 REQUIRED)                                  # all messages
+find_package(ZLIB 1.2 REQUIRED)                               # the sizes in compressed MATLAB files
 find_package(OpenSSL 3 REQUIRED COMPONENTS Crypto)            # SHA-256 of the certified weights
 find_package(nlohmann_json 3.11 REQUIRED)                     # --json, published polynomials
 find_package(tomlplusplus 3.3 QUIET)                          # run configurations

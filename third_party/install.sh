@@ -25,6 +25,7 @@ build libeigen3-dev header:eigen3/Eigen/Core
 build libboost-dev header:boost/version.hpp
 build libhdf5-dev header:hdf5/serial/hdf5.h
 build libfmt-dev header:fmt/format.h
+build zlib1g-dev header:zlib.h
 build libspdlog-dev header:spdlog/spdlog.h
 build libmatio-dev header:matio.h
 build libzip-dev header:zip.h

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <matio.h>
 
+#include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/hdf5.h"
 #include "s2nnds/core/printable.h"
+#include "s2nnds/data/matlab_sizes.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/data/recording.h"
 
@@ -38,12 +41,15 @@ class ComplaintScope {
   ComplaintScope& operator=(const ComplaintScope&) = delete;
 };
 
-// MATLAB 7.3: HDF5 behind 512 bytes of text.
-bool is_hdf5(const std::string& path) {
+// Whether the version in the header is that of MATLAB 7.3, which is HDF5 behind 512 bytes of text.
+bool is_hdf5(std::string_view bytes) {
+  const std::string_view version = bytes.substr(std::min<std::size_t>(bytes.size(), 124), 4);
+  return version == std::string_view("\x00\x02IM", 4) || version == std::string_view("\x02\x00MI", 4);
+}
+
+std::string bytes_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string head(520, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  return head.compare(512, 8, "\x89HDF\r\n\x1a\n") == 0;
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
 struct CloseFile {
@@ -58,8 +64,13 @@ class MatlabFile {
   // `expected` completes every message: what the caller wants to find.
   MatlabFile(const std::string& path, std::string expected) : path_(path), expected_(std::move(expected)) {
     check_readable(path);
-    file_size_ = static_cast<double>(std::filesystem::file_size(path));
-    if (is_hdf5(path)) const Hdf5Reader whole(path);  // 7.3; says what is wrong, where matio prints it
+    const std::string bytes = bytes_of(path);
+    file_size_ = static_cast<double>(bytes.size());
+    if (is_hdf5(bytes)) {
+      const Hdf5Reader whole(path);  // says what is wrong, where matio prints it
+    } else {
+      check_matlab_sizes(bytes, path_, expected_);
+    }
     file_.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
     check(file_ != nullptr, "{}: found no MATLAB file; expected {}", path_, expected_);
     const mat_ft version = Mat_GetVersion(file_.get());

@@ -46,11 +46,12 @@ matvar_t* structure(std::vector<std::pair<const char*, Points>> fields) {
 class MatlabReaders : public testing::Test {
  protected:
   // Writes the variables, which it frees, to a new file.
-  std::string write(const std::vector<matvar_t*>& variables, mat_ft version = MAT_FT_MAT5) const {
+  std::string write(const std::vector<matvar_t*>& variables, mat_ft version = MAT_FT_MAT5,
+                    matio_compression compression = MAT_COMPRESSION_ZLIB) const {
     const std::string path = folder_.path("made.mat");
     mat_t* const file = Mat_CreateVer(path.c_str(), nullptr, version);
     for (matvar_t* variable : variables) {
-      Mat_VarWrite(file, variable, MAT_COMPRESSION_ZLIB);
+      Mat_VarWrite(file, variable, compression);
       Mat_VarFree(variable);
     }
     Mat_Close(file);
@@ -174,6 +175,53 @@ TEST_F(MatlabReaders, ATruncatedFileNeverGivesOtherNumbers) {
   EXPECT_GT(rejected, static_cast<int>(whole.size() / 7) - 5);
   expect_error([&] { lasa(folder_.write("cut.mat", whole.substr(0, whole.size() / 2))); },
                "cut.mat: found damaged or truncated data");
+}
+
+// libmatio would take the memory that a damaged size asks for.
+TEST_F(MatlabReaders, DamagedSizesAreRefusedAtOnce) {
+  const std::string path = write({matrix("dt", Points{{0.25}}), cells("data", {matrix(nullptr, position_)})},
+                                 MAT_FT_MAT5, MAT_COMPRESSION_NONE);
+  std::ifstream file(path, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  // Byte `at` is the highest of 4: of a variable's length, or of its first side.
+  const auto damaged = [&](std::size_t at) {
+    std::string bytes = whole;
+    bytes.at(at) = '\x24';
+    return folder_.write("damaged.mat", bytes);
+  };
+  const std::size_t dt = 128;
+  const std::size_t data = dt + 8 + static_cast<unsigned char>(whole.at(dt + 4));
+  const auto expect_refused = [&](std::size_t at, const std::string& what) {
+    expect_error([&] { ds_opt(damaged(at)); },
+                 "damaged.mat: found damaged or truncated data (" + what + "); expected a ds-opt file");
+  };
+  expect_refused(dt + 7, "a length that goes beyond the end");
+  expect_refused(data + 7, "a length that goes beyond the end");
+  expect_refused(dt + 35, "more numbers than bytes");
+  expect_refused(data + 35, "more cells or fields than bytes");
+}
+
+// Damage to compressed bytes, wherever it is, is refused or changes nothing.
+TEST_F(MatlabReaders, ADamagedCompressedFileNeverGivesOtherNumbers) {
+  const std::string path = write({cells("data", {matrix(nullptr, position_), matrix(nullptr, velocity_)})});
+  std::ifstream file(path, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const Points expected = stack_positions(ds_opt(path).demonstrations);
+  for (std::size_t at = 124; at < whole.size(); ++at) {
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ 0x11);
+    try {
+      EXPECT_EQ(stack_positions(ds_opt(folder_.write("damaged.mat", bytes)).demonstrations), expected) << at;
+    } catch (const Error&) {
+    }
+  }
+}
+
+TEST_F(MatlabReaders, CellsWithinCellsAreLimited) {
+  matvar_t* nested = matrix(nullptr, position_);
+  for (int i = 0; i < 30; ++i) nested = cells(nullptr, {nested});
+  const std::string path = write({cells("data", {nested})});
+  expect_error([&] { ds_opt(path); }, "found damaged or truncated data (too many cells within cells)");
 }
 
 TEST(LasaData, KnownFigures) {
