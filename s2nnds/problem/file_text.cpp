@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/delimited_text.h"
 
 namespace s2nnds {
 namespace {
@@ -46,14 +47,14 @@ std::string FileText::where() const { return fmt::format("{}:{}", name_, line_);
 double FileText::number(std::string_view word) const {
   double value = 0.0;
   if (!parse(word, value) || !std::isfinite(value)) {
-    fail("{}: found '{}', expected a finite number", where(), word.substr(0, 40));
+    fail("{}: found '{}', expected a finite number", where(), shown(word));
   }
   return value;
 }
 
 std::int64_t FileText::integer(std::string_view word) const {
   std::int64_t value = 0;
-  if (!parse(word, value)) fail("{}: found '{}', expected an integer", where(), word.substr(0, 40));
+  if (!parse(word, value)) fail("{}: found '{}', expected an integer", where(), shown(word));
   return value;
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -27,7 +28,11 @@ T value_at(const std::string& bytes, std::size_t offset) {
 // Collects triangles whose corners are given by their coordinates.
 class Corners {
  public:
-  void add(const std::array<double, 3>& corner) {
+  void add(const std::array<double, 3>& corner, const std::string& name) {
+    // The order below takes what is not a number for another corner.
+    check(std::isfinite(corner[0]) && std::isfinite(corner[1]) && std::isfinite(corner[2]),
+          "{}: found the vertex ({}, {}, {}), expected finite numbers", name, corner[0], corner[1],
+          corner[2]);
     // Adding 0 makes one zero of both.
     const auto [known, is_new] = index_.try_emplace({corner[0] + 0.0, corner[1] + 0.0, corner[2] + 0.0},
                                                     static_cast<int>(index_.size()));
@@ -58,7 +63,7 @@ class Corners {
   std::vector<int> corners_;
 };
 
-TriangleMesh read_binary_stl(const std::string& bytes) {
+TriangleMesh read_binary_stl(const std::string& bytes, const std::string& name) {
   Corners corners;
   for (std::size_t offset = kStlHead; offset < bytes.size(); offset += kStlTriangle) {
     for (std::size_t corner = 1; corner <= 3; ++corner) {  // 0 is the normal, which the corners say as well
@@ -66,7 +71,7 @@ TriangleMesh read_binary_stl(const std::string& bytes) {
       for (std::size_t i = 0; i < 3; ++i) {
         x[i] = value_at<float>(bytes, offset + 12 * corner + 4 * i);
       }
-      corners.add(x);
+      corners.add(x, name);
     }
   }
   return corners.mesh();
@@ -85,7 +90,7 @@ TriangleMesh read_stl_text(const std::string& bytes, const std::string& name) {
     }
     if (words[0] != "vertex") continue;
     check(words.size() == 4, "{}: found a vertex of {} numbers, expected 3", text.where(), words.size() - 1);
-    corners.add({text.number(words[1]), text.number(words[2]), text.number(words[3])});
+    corners.add({text.number(words[1]), text.number(words[2]), text.number(words[3])}, name);
   }
   check(ended && corners.count() % 3 == 0, "{}: ends within a solid, expected 'endsolid'", text.where());
   return corners.mesh();
@@ -95,7 +100,7 @@ TriangleMesh read_stl(const std::string& bytes, const std::string& name) {
   // Some binary files begin with "solid" too, so the length decides.
   if (bytes.size() >= kStlHead) {
     const auto count = value_at<std::uint32_t>(bytes, 80);
-    if (bytes.size() == kStlHead + kStlTriangle * std::size_t{count}) return read_binary_stl(bytes);
+    if (bytes.size() == kStlHead + kStlTriangle * std::size_t{count}) return read_binary_stl(bytes, name);
   }
   if (bytes.starts_with("solid")) return read_stl_text(bytes, name);
   check(bytes.size() >= kStlHead, "{}: found {} bytes, expected STL of at least {}", name, bytes.size(),
@@ -128,7 +133,7 @@ TriangleMesh read_obj(const std::string& bytes, const std::string& name) {
       face.push_back(static_cast<std::size_t>(index > 0 ? index - 1 : count + index));
     }
     for (std::size_t k = 2; k < face.size(); ++k) {
-      for (const std::size_t corner : {face[0], face[k - 1], face[k]}) corners.add(vertices[corner]);
+      for (const std::size_t corner : {face[0], face[k - 1], face[k]}) corners.add(vertices[corner], name);
     }
   }
   return corners.mesh();

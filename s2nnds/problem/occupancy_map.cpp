@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/problem/occupancy_map.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
@@ -8,6 +9,8 @@
 #include <vector>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
+#include "s2nnds/data/delimited_text.h"
 #include "s2nnds/problem/file_text.h"
 
 namespace s2nnds {
@@ -105,6 +108,8 @@ Image read_pgm(const std::string& bytes, const std::string& name) {
         name, bytes.size() - std::min(at, bytes.size()), image.width, image.height);
   image.shade.assign(bytes.begin() + static_cast<std::ptrdiff_t>(at),
                      bytes.begin() + static_cast<std::ptrdiff_t>(at + count));
+  const std::int64_t greatest = *std::max_element(image.shade.begin(), image.shade.end());
+  check(greatest <= white, "{}: found the value {}, expected at most {}", name, greatest, white);
   return image;
 }
 
@@ -116,7 +121,8 @@ OccupancyMap read_occupancy_map(const std::string& name, RegionFiles& files) {
         name);
   const FlatYaml yaml(files.bytes(name), name);
   const std::string mode = yaml.has("mode") ? yaml.text("mode") : "trinary";
-  check(mode == "trinary" || mode == "scale", "{}: found the mode {}, expected trinary or scale", name, mode);
+  check(mode == "trinary" || mode == "scale", "{}: found the mode {}, expected trinary or scale", name,
+        shown(mode));
   const double occupied = yaml.number("occupied_thresh", 0.65), free = yaml.number("free_thresh", 0.196);
   check(0.0 <= free && free < occupied && occupied <= 1.0,
         "{}: found free_thresh {} and occupied_thresh {}, expected 0 <= free_thresh < occupied_thresh <= 1",
@@ -130,7 +136,9 @@ OccupancyMap read_occupancy_map(const std::string& name, RegionFiles& files) {
   map.origin = Vector{{origin[0], origin[1]}};
   map.yaw = origin[2];
   const std::string image_name = (std::filesystem::path(name).parent_path() / yaml.text("image")).string();
-  const Image image = read_pgm(files.bytes(image_name), image_name);
+  check(image_name.size() <= 1000, "{}: found an image's name of {} bytes, expected that of a file", name,
+        image_name.size());
+  const Image image = read_pgm(files.bytes(image_name), printable(image_name));
   map.cells.resize(image.width, image.height);
   for (std::int64_t row = 0; row < image.height; ++row) {
     for (std::int64_t column = 0; column < image.width; ++column) {

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
+#include "s2nnds/data/delimited_text.h"
 #include "s2nnds/problem/file_text.h"
 
 namespace s2nnds {
@@ -73,7 +75,7 @@ std::vector<std::size_t> columns_of(const std::vector<std::string>& names, Eigen
     const auto column = column_of(names, i);
     if (column) columns.push_back(*column);
     check(column || i >= dimension, "{}: found the columns {}, expected {} coordinates such as x, y", where,
-          fmt::join(names, ", "), dimension);
+          printable(fmt::format("{}", fmt::join(names, ", ")).substr(0, 80)), dimension);
     if (!column) break;
   }
   return columns;
@@ -178,7 +180,7 @@ Points read_ply(const std::string& bytes, const std::string& name, Eigen::Index 
     if (words[0] == "element" && words.size() == 3) {
       element = words[1];
       check(head.count >= 0 || element == "vertex", "{}: found the element {} first, expected vertex",
-            text.where(), element);
+            text.where(), shown(element));
       if (element == "vertex") head.count = text.integer(words[2]);
     }
     if (words[0] == "property" && element == "vertex") head.fields.push_back(ply_field(words, text));
@@ -205,17 +207,20 @@ Points read_pcd(const std::string& bytes, const std::string& name, Eigen::Index 
             entries["POINTS"].size() == 1,
         "{}: expected a PCD head with FIELDS, SIZE, TYPE, POINTS and DATA", name);
   check(head.data == "ascii" || head.data == "binary",
-        "{}: found DATA {}, expected ascii or binary (pcl_convert_pcd_ascii_binary makes them)", name,
-        head.data);
+        "{}: found DATA '{}', expected ascii or binary (pcl_convert_pcd_ascii_binary makes them)", name,
+        shown(head.data));
   head.count = text.integer(entries["POINTS"][0]);
   for (std::size_t k = 0; k < names.size(); ++k) {
     const std::int64_t size = text.integer(sizes[k]);
     const std::int64_t repeats =
         entries["COUNT"].size() == names.size() ? text.integer(entries["COUNT"][k]) : 1;
-    check((size == 1 || size == 2 || size == 4 || size == 8) && kinds[k].size() == 1 && repeats >= 1 &&
-              (kinds[k] != "F" || size >= 4),
+    check((size == 1 || size == 2 || size == 4 || size == 8) &&
+              (kinds[k] == "I" || kinds[k] == "U" || (kinds[k] == "F" && size >= 4)),
           "{}: found the field {} of size {} and type {}, expected sizes 1, 2, 4 or 8 and types I, U or F",
-          name, names[k], size, kinds[k]);
+          name, shown(names[k]), size, shown(kinds[k]));
+    check(repeats >= 1 && static_cast<std::size_t>(repeats) <= bytes.size() - head.fields.size(),
+          "{}: found {} numbers a point in the field {}, expected at least 1 and no more than the file has",
+          name, repeats, shown(names[k]));
     for (std::int64_t i = 0; i < repeats; ++i) {
       head.fields.push_back({i == 0 ? names[k] : "", kinds[k][0], static_cast<std::size_t>(size)});
     }
@@ -237,7 +242,7 @@ Points read_npy(const std::string& bytes, const std::string& name, Eigen::Index 
   const bool single = described.find("<f4") != std::string::npos;
   check((single || described.find("<f8") != std::string::npos) &&
             described.find("'fortran_order': False") != std::string::npos,
-        "{}: found {}, expected float32 or float64, row by row", name, described.substr(0, 80));
+        "{}: found {}, expected float32 or float64, row by row", name, printable(described.substr(0, 80)));
   const std::size_t open = described.find("'shape': (");
   check(open != std::string::npos, "{}: expected a shape in the NPY head", name);
   FileText shape(std::string_view(described).substr(open + 10, described.find(')', open) - open - 10), name,

@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
 
 namespace s2nnds {
 namespace {
@@ -22,14 +23,16 @@ std::optional<std::string> read_file(const std::filesystem::path& path) {
 
 const std::string& RegionFiles::bytes(const std::string& name) {
   if (const auto known = bytes_.find(name); known != bytes_.end()) return known->second;
-  check(folder_.has_value(), "file {}: the run does not have it, expected it to be stored there", name);
+  check(folder_.has_value(), "file {}: the run does not have it, expected it to be stored there",
+        printable(name));
   const std::filesystem::path path = std::filesystem::path(*folder_) / name;
   std::error_code none;
   check(!std::filesystem::is_directory(path, none), "cannot read {}: expected a file, found a folder",
-        path.string());
+        printable(path.string()));
   std::optional<std::string> read = read_file(path);
-  if (!read) fail("cannot read {}: {}", path.string(), std::strerror(errno));
-  check(!read->empty(), "{}: expected a file that says something, found an empty one", path.string());
+  if (!read) fail("cannot read {}: {}", printable(path.string()), std::strerror(errno));
+  check(!read->empty(), "{}: expected a file that says something, found an empty one",
+        printable(path.string()));
   return bytes_.emplace(name, std::move(*read)).first->second;
 }
 

@@ -93,6 +93,8 @@ TEST(PointCloud, BadFilesAreNamed) {
   expect_message(made("a.csv", "1,2\n3,inf\n"), "a.csv:2: found 'inf'");
   expect_message(made("a.csv", "1,2\n3,cat\n"), "'cat'");
   expect_message(made("a.csv", "a,b\n3,4\n"), "found the columns a, b");
+  expect_message(made("a.csv", "1,2\n3,\x1b[2Jcat\n"), "found '?[2Jcat', expected");
+  expect_message(made("a.csv", "a\x07," + std::string(500, 'b') + "\n3,4\n"), "found the columns a?, bbb");
   expect_message(made("a.csv", "x,y\n"), "no points");
   expect_message(made("a.csv", "1,2,3\n1,2,4\n"), "expected one height");
   expect_message(made("a.csv", "1,2,3,4\n"), "points of 4 coordinates, expected 2");
@@ -109,6 +111,11 @@ TEST(PointCloud, BadFilesAreNamed) {
   expect_message(made("a.pcd", "VERSION .7\nFIELDS x y\n"), "PCD head");
   expect_message(made("a.pcd", "FIELDS x y\nSIZE 4 4\nTYPE F F\nPOINTS 1\nDATA binary_compressed\n...."),
                  "binary_compressed");
+  expect_message(
+      made("a.pcd", "FIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 9999999999\nPOINTS 1\nDATA ascii\n1 2\n"),
+      "found 9999999999 numbers a point in the field y");
+  expect_message(made("a.pcd", "FIELDS x y\nSIZE 4 4\nTYPE F X\nPOINTS 1\nDATA ascii\n1 2\n"),
+                 "types I, U or F");
   expect_message(made("a.npy", "NUMPY"), "expected NPY");
   expect_message(made("a.npy", npy("(2, 2)", "<f8", raw({1.0f, 2.0f}))), "found 8 bytes of numbers");
   expect_message(made("a.npy", npy("(4,)", "<f4", raw({1.0f, 2.0f, 3.0f, 4.0f}))), "two indices");
@@ -202,6 +209,7 @@ TEST(OccupancyImage, BadFilesAreNamed) {
   expect_message(made(kYaml, "P6 6 4 255\n"), "begins with P2 or P5");
   expect_message(made(kYaml, "P2 1 1 255 300"), "found the value 300");
   expect_message(made(kYaml, "P5 2 1 65535\nabcd"), "8 bits");
+  expect_message(made(kYaml, "P5 2 1 99\nzz"), "found the value 122, expected at most 99");
   expect_message(message_of([] { map_of(kYaml, "P2 2 1 255 254 254", "unknown = \"free\""); }),
                  "no occupied cells");
   EXPECT_TRUE(map_of(kYaml, "P2 2 1 255 254 254")->contains(Vector{{-1.0, 0.0}}));  // beyond the map

@@ -176,6 +176,11 @@ TEST(Solid, BadFilesAreNamed) {
   expect_message(made("a.obj", obj.substr(0, obj.rfind("f "))), "edges are open, the first from");
   expect_message(made("a.obj", "v 0 0\n"), "a.obj:1: found a vertex of 2 numbers");
   expect_message(made("a.obj", "v 0 0 nan\n"), "expected a finite number");
+  // What is not a number must not pass for another vertex.
+  std::string damaged = binary;
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(&damaged[84 + 50 * 7 + 12], &none, sizeof none);
+  expect_message(made("a.stl", damaged), "a.stl: found the vertex (nan, ");
   expect_message(made("a.obj", "v 0 0 0\nf 1 2 3\n"), "found vertex 2");
   expect_message(made("a.obj", "v 0 0 0\n"), "no triangles");
   expect_message(made("a.step", "v 0 0 0\n"), ".stl or .obj");
