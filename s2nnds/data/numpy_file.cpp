@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
 #include "s2nnds/data/recording.h"
 
 namespace s2nnds {
@@ -21,6 +22,7 @@ namespace {
 
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr zip_uint64_t kMostBytes = zip_uint64_t{1} << 34;  // of one array in an archive
+constexpr std::size_t kMostAxes = 64;                       // as NumPy allows
 
 struct NpyHeader {
   char type = 0;  // f, i, u
@@ -52,7 +54,7 @@ void read_type(std::string_view value, NpyHeader& header, const std::string& whe
   const bool integer = (header.type == 'i' || header.type == 'u') &&
                        (header.bytes == 1 || header.bytes == 2 || header.bytes == 4 || header.bytes == 8);
   check(simple && std::string_view("<>|=").find(value[1]) != std::string_view::npos && (real || integer),
-        "{}: found numbers of type {}; expected f4, f8 or integers", where, text);
+        "{}: found numbers of type {}; expected f4, f8 or integers", where, printable(std::string(text)));
 }
 
 void read_shape(std::string_view value, NpyHeader& header, const std::string& where) {
@@ -65,6 +67,8 @@ void read_shape(std::string_view value, NpyHeader& header, const std::string& wh
     const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), side);
     check(error == std::errc() && side >= 0, "{}: found a shape that cannot be read; expected an .npy file",
           where);
+    check(header.shape.size() < kMostAxes, "{}: found a shape of more than {} axes; expected an .npy file",
+          where, kMostAxes);
     header.shape.push_back(side);
     value.remove_prefix(static_cast<std::size_t>(end - value.data()));
   }
@@ -156,7 +160,7 @@ std::vector<std::pair<std::string, Array>> read_npz(const std::string& path) {
     std::string name = entry != nullptr ? entry : "";
     if (!name.ends_with(".npy")) continue;
     name.resize(name.size() - 4);
-    const std::string where = fmt::format("{}: {}", path, name);
+    const std::string where = fmt::format("{}: {}", path, printable(name.substr(0, 80)));
     arrays.emplace_back(name,
                         parse_npy(entry_bytes(archive.get(), static_cast<zip_uint64_t>(i), where), where));
   }

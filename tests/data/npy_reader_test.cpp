@@ -60,6 +60,11 @@ TEST(Npy, WhateverIsMissingIsAnError) {
                "cut.npy: found 40 bytes for shape [2, 3] of 8 bytes each; expected a whole .npy file");
   expect_error([] { parse_npy("time,x,y\n0,1,2\n", "text.npy"); }, "text.npy: found no .npy file");
   expect_error([] { parse_npy(npy_bytes("|O", "2,", "xx"), "a.npy"); }, "a.npy: found numbers of type '|O'");
+  expect_error([] { parse_npy(npy_bytes("\x1b\n", "2,", "xx"), "a.npy"); },
+               "found numbers of type '??'; expected");
+  std::string axes;
+  for (int i = 0; i < 65; ++i) axes += "1, ";
+  expect_error([&] { parse_npy(doubles(axes, {1}), "a.npy"); }, "a.npy: found a shape of more than 64 axes");
   expect_error([] { parse_npy(npy_bytes("<c16", "2,", "xx"), "a.npy"); }, "found numbers of type '<c16'");
   expect_error([] { parse_npy(doubles("99999999999999, 99999999999", {1}), "a.npy"); }, "found shape [");
 }
