@@ -314,6 +314,7 @@ TEST(Flatten, ListsDottedKeysInOrder) {
                                                                      {"weights", "[1.0, 2.0]"},
                                                                      {"widths", "[64, 64]"},
                                                                      {"files", "[\"a\"]"},
+                                                                     {"corners", "[[0.0, 1.0]]"},
                                                                      {"inner.depth", "2"},
                                                                      {"inner.shape.type", "union"},
                                                                      {"inner.shape.of.0.type", "ball"},
