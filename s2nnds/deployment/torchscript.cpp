@@ -74,11 +74,15 @@ void set_attributes(torch::jit::Module& module, const PolicyInfo& info) {
 }
 
 // Goal and workspace are lists, not buffers, which would follow a module that is cast to another precision; what is
-// compared with them and subtracted from is float64 whatever the positions are.
+// compared with them and subtracted from is float64 whatever the positions are. (torch.tensor of numbers would round
+// them to float32 first.)
 void define_interface(torch::jit::Module& module) {
   module.define(fmt::format(R"(
 def constants(self, values: List[float], x: Tensor) -> Tensor:
-  return torch.tensor(values, dtype={0}, device=x.device)
+  tensor = torch.zeros([len(values)], dtype={0}, device=x.device)
+  for i, value in enumerate(values):
+    tensor[i].fill_(value)
+  return tensor
 
 def normalised(self, x: Tensor) -> Tensor:
   z = (x.to({0}) - self.constants(self.goal, x)) / self.position_scale

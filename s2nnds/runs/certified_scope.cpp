@@ -64,8 +64,10 @@ struct Scope {
   }
 };
 
+// Times do not belong to what was found: the same run has the same seal.
 std::string seal_of(Certificate certificate) {
   certificate.seal.clear();
+  for (ConditionVerdict& verdict : certificate.conditions) verdict.seconds = 0.0;
   return sha256(to_json(certificate));
 }
 

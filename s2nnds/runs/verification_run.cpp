@@ -72,7 +72,9 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
   Certificate& certificate = record.certificate;
   // What was found of other weights or of another problem is void. The conformal attempts go on being counted.
   if (certificate.scope != certified_scope(setup, record.networks)) {
-    certificate = {.attempts = certificate.attempts};
+    const std::int64_t attempts = certificate.attempts;
+    certificate = {};
+    certificate.attempts = attempts;
   }
   certificate.weight_hash = weight_hash(record.networks);
   certificate.level_band = setup.config.training.level_band;

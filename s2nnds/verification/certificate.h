@@ -100,7 +100,7 @@ struct Certificate {
   Guarantee guarantee = Guarantee::none;  // the strongest that the verdicts support (guarantee_of)
   std::string weight_hash;                // of the networks that it speaks of
   std::string scope;                      // all that it depends on, as TOML (runs/certified_scope.h)
-  std::string seal;                       // SHA-256 over everything else here
+  std::string seal;                       // SHA-256 over everything else here but seconds
   std::int64_t attempts = 0;              // conformal verifications made of these weights
   double level_band = 0.0;                // eps_B
   double disturbance_margin = 0.0;        // largest certified |w| (normalised velocity); 0: not certified

@@ -85,8 +85,12 @@ TEST(FramedRegion, ClassificationIsSoundForEveryKind) {
           place.upper[i] = Exact(near) >= exact ? near : next_up(near);
         }
         const Location there = region->classify(place);
-        if (location == Location::inside) ASSERT_NE(there, Location::outside) << region->describe();
-        if (location == Location::outside) ASSERT_NE(there, Location::inside) << region->describe();
+        if (location == Location::inside) {
+          ASSERT_NE(there, Location::outside) << region->describe();
+        }
+        if (location == Location::outside) {
+          ASSERT_NE(there, Location::inside) << region->describe();
+        }
         const Interval level = inner->enclosure(box);
         if (level.is_defined()) {
           const Interval exact = region->enclosure(place);

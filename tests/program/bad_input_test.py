@@ -220,9 +220,13 @@ class RunFileTest(ProgramTest):
         run = self.trained()
         with h5py.File(run, "r+") as file:
             file["networks/B/bias_0"][0] += 1e-12
-        for command in ("verify", "export"):
+        for command in ("info", "evaluate", "plot", "export"):
             self.assert_refused(self.call(command, run), "certificate", "weights")
         self.assertEqual(os.listdir(self.folder), ["run.h5"])
+        code, out, err = self.call("verify", run, "--method", "sampled", "--samples", 1000)
+        self.assertIn(code, (0, 3), err)
+        self.assertIn("a new one begins", err)
+        self.assertEqual(self.call("info", run)[0], 0)
 
     def test_resume_without_a_checkpoint(self):
         run = self.trained()

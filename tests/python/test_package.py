@@ -145,7 +145,7 @@ def test_the_policy_is_a_module_that_agrees_with_the_exported_one(run, tmp_path,
 
 def test_demonstrations_and_problem():
     data = s2nnds.demonstrations(SMALL)
-    assert len(data.demonstrations) == 7 and data.test == [5, 6]
+    assert len(data.demonstrations) == 7 and data.test == [6]
     assert np.abs(np.vstack([d.position for d in data.normalized])).max() == pytest.approx(1.0)
     problem = s2nnds.Problem(SMALL)
     assert problem.dimension == 2 and "ball" in problem.unsafe
