@@ -7,6 +7,12 @@ endif()
 set(kineto_LIBRARY c10)  # pip's has it inside torch_cpu, and warns that it is nowhere else
 find_package(Threads REQUIRED)
 find_package(TBB 2021 REQUIRED)                               # loops shared among threads
+# Where site-packages is a prefix, as pip has it, Torch is found there and its parts in the system's folders first.
+foreach(prefix IN LISTS CMAKE_PREFIX_PATH)
+  if(EXISTS ${prefix}/torch/share/cmake/Torch)
+    list(PREPEND CMAKE_PREFIX_PATH ${prefix}/torch/share/cmake)
+  endif()
+endforeach()
 find_package(Torch 1.13 REQUIRED QUIET)                       # networks, autograd, TorchScript
 # Not quiet, it names the libtorch.so of the system also where it uses another.
 message(STATUS "Found Torch: ${TORCH_INSTALL_PREFIX} (found version \"${Torch_VERSION}\")")
