@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
 
 namespace s2nnds {
 namespace {
@@ -51,11 +52,11 @@ toml::table parse_toml(const std::string& text, const std::string& source) {
 
 void apply_setting(toml::table& document, const std::string& setting) {
   const auto equals = setting.find('=');
-  check(equals != std::string::npos, "setting \"{}\": expected key=value", setting);
+  check(equals != std::string::npos, "setting \"{}\": expected key=value", printable(setting));
   std::vector<std::string> path;
   std::istringstream keys(trimmed(setting.substr(0, equals)) + ".");
   for (std::string key; std::getline(keys, key, '.');) {
-    check(!key.empty(), "setting \"{}\": expected a dotted key before \"=\"", setting);
+    check(!key.empty(), "setting \"{}\": expected a dotted key before \"=\"", printable(setting));
     path.push_back(key);
   }
   const std::string name = path.back();
@@ -63,7 +64,8 @@ void apply_setting(toml::table& document, const std::string& setting) {
   toml::node* parent = &document;
   for (const std::string& key : path) {
     parent = child(*parent, key);
-    check(parent != nullptr, "setting \"{}\": there is no {} to set it in", setting, key);
+    check(parent != nullptr, "setting \"{}\": there is no {} to set it in", printable(setting),
+          printable(key));
   }
   const toml::table holder = parse_value(trimmed(setting.substr(equals + 1)));
   const toml::node& value = *holder.get("value");
@@ -71,7 +73,8 @@ void apply_setting(toml::table& document, const std::string& setting) {
     value.visit([&](const auto& node) { table->insert_or_assign(name, node); });
     return;
   }
-  check(child(*parent, name) != nullptr, "setting \"{}\": there is no {} to set", setting, name);
+  check(child(*parent, name) != nullptr, "setting \"{}\": there is no {} to set", printable(setting),
+        printable(name));
   auto* array = parent->as_array();
   value.visit([&](const auto& node) { array->replace(array->cbegin() + std::stol(name), node); });
 }
