@@ -23,6 +23,7 @@ BoxTree::BoxTree(Points lower, Points upper) : item_lower_(std::move(lower)), it
   nodes_.reserve(order_.size());
   nodes_.emplace_back();
   build(0, 0, order_.size());
+  corners_.shrink_to_fit();
 }
 
 // Halves the items at the median of their centres along the axis in which these spread the most.
@@ -36,8 +37,10 @@ void BoxTree::build(std::size_t node, std::size_t first, std::size_t last) {
     least = least.cwiseMin(item_low + item_high);
     greatest = greatest.cwiseMax(item_low + item_high);
   }
-  nodes_[node].lower = low;
-  nodes_[node].upper = high;
+  const auto n = static_cast<std::size_t>(low.size());
+  corners_.resize(std::max(corners_.size(), 2 * nodes_.size() * n));
+  std::copy_n(low.data(), n, corners_.begin() + static_cast<std::ptrdiff_t>(2 * node * n));
+  std::copy_n(high.data(), n, corners_.begin() + static_cast<std::ptrdiff_t>((2 * node + 1) * n));
   nodes_[node].first = first;
   nodes_[node].last = last;
   if (last - first <= kMostItems) return;

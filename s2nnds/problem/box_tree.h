@@ -17,14 +17,15 @@ class BoxTree {
   // The items' corners [N, n], finite, N >= 1.
   BoxTree(Points lower, Points upper);
 
-  const Position& lower() const { return nodes_.front().lower; }  // the box around all items [n]
-  const Position& upper() const { return nodes_.front().upper; }  // its other corner [n]
+  Position lower() const { return node_lower(0); }  // the box around all items [n]
+  Position upper() const { return node_upper(0); }  // its other corner [n]
 
   Position item_lower(std::size_t k) const { return item_lower_.row(static_cast<Eigen::Index>(k)); }  // [n]
   Position item_upper(std::size_t k) const { return item_upper_.row(static_cast<Eigen::Index>(k)); }  // [n]
 
-  // Calls item(k) for every item k in a node for which `bound` (of its two corners) is at most the limit;
-  // item() returns the limit from then on, which starts at infinity. Near nodes go first.
+  // Calls item(k) for every item k for which `bound`, of the two corners of its box and of each node around
+  // it, is at most the limit; item() returns the limit from then on, which starts at infinity. Near nodes go
+  // first.
   template <typename Bound, typename Item>
   void search(const Bound& bound, const Item& item) const;
   // Calls item(k) for every item k in a node whose corners `meets` wants, until one returns false; false then.
@@ -33,55 +34,77 @@ class BoxTree {
 
  private:
   struct Node {
-    Position lower, upper;            // around its items
     std::size_t first = 0, last = 0;  // its items in `order_`, if it has no children
     std::size_t child = 0;            // the first of two; 0: none
   };
+  // A node that a search has yet to look at, and its bound.
+  struct Open {
+    double least;
+    std::size_t node;
+  };
+  // Every step down halves the items and leaves one node aside, so that no more can be open at a time.
+  static constexpr std::size_t most_open = 66;
+
   void build(std::size_t node, std::size_t first, std::size_t last);
+  Position node_lower(std::size_t node) const { return corner(2 * node); }
+  Position node_upper(std::size_t node) const { return corner(2 * node + 1); }
+  Position corner(std::size_t k) const {
+    const Eigen::Index n = item_lower_.cols();
+    return Eigen::Map<const Vector>(corners_.data() + k * static_cast<std::size_t>(n), n);
+  }
 
   Points item_lower_, item_upper_;  // [N, n]
   std::vector<Node> nodes_;
+  std::vector<double> corners_;  // the lower [n], then the upper one [n] of every node
   std::vector<std::size_t> order_;
 };
 
 template <typename Bound, typename Item>
 void BoxTree::search(const Bound& bound, const Item& item) const {
   double limit = std::numeric_limits<double>::infinity();
-  std::vector<std::pair<double, std::size_t>> open{{bound(nodes_[0].lower, nodes_[0].upper), 0}};
-  while (!open.empty()) {
-    const auto [least, index] = open.back();
-    open.pop_back();
+  std::array<Open, most_open> open;
+  std::size_t count = 0;
+  open[count++] = {bound(node_lower(0), node_upper(0)), 0};
+  while (count > 0) {
+    const auto [least, index] = open[--count];
     if (!(least <= limit)) continue;
     const Node& node = nodes_[index];
     if (node.child == 0) {
-      for (std::size_t k = node.first; k < node.last; ++k) limit = item(order_[k]);
+      for (std::size_t at = node.first; at < node.last; ++at) {
+        const std::size_t k = order_[at];
+        if (bound(item_lower(k), item_upper(k)) <= limit) limit = item(k);
+      }
       continue;
     }
-    std::array<std::pair<double, std::size_t>, 2> children;
-    for (std::size_t k = 0; k < 2; ++k) {
-      const Node& child = nodes_[node.child + k];
-      children[k] = {bound(child.lower, child.upper), node.child + k};
+    std::size_t nearer = node.child, farther = node.child + 1;
+    double to_nearer = bound(node_lower(nearer), node_upper(nearer));
+    double to_farther = bound(node_lower(farther), node_upper(farther));
+    if (to_farther < to_nearer) {
+      std::swap(nearer, farther);
+      std::swap(to_nearer, to_farther);
     }
-    if (children[0].first < children[1].first) std::swap(children[0], children[1]);
-    open.insert(open.end(), children.begin(), children.end());
+    open[count++] = {to_farther, farther};
+    open[count++] = {to_nearer, nearer};
   }
 }
 
 template <typename Meets, typename Item>
 bool BoxTree::visit(const Meets& meets, const Item& item) const {
-  std::vector<std::size_t> open{0};
-  while (!open.empty()) {
-    const Node& node = nodes_[open.back()];
-    open.pop_back();
-    if (!meets(node.lower, node.upper)) continue;
+  std::array<std::size_t, most_open> open;
+  std::size_t count = 0;
+  open[count++] = 0;
+  while (count > 0) {
+    const std::size_t index = open[--count];
+    if (!meets(node_lower(index), node_upper(index))) continue;
+    const Node& node = nodes_[index];
     if (node.child == 0) {
       for (std::size_t k = node.first; k < node.last; ++k) {
         if (!item(order_[k])) return false;
       }
       continue;
     }
-    open.push_back(node.child);
-    open.push_back(node.child + 1);
+    open[count++] = node.child;
+    open[count++] = node.child + 1;
   }
   return true;
 }

@@ -77,13 +77,24 @@ BoxTree tree_of(const std::vector<Rectangle>& rectangles, const OccupancyMap& ma
 // Of a box, or of a point with equal corners.
 Interval distance(const BoxTree& tree, const Position& lower, const Position& upper) {
   Interval least(kInfinity, kInfinity);
-  tree.search(
-      [&](const Position& low, const Position& high) { return box_distance(low, high, lower, upper).lower; },
-      [&](std::size_t k) {
-        least = min(least, box_distance(tree.item_lower(k), tree.item_upper(k), lower, upper));
-        return least.upper;
-      });
+  tree.search([&](const Position& low,
+                  const Position& high) { return least_squared_distance(low, high, lower, upper); },
+              [&](std::size_t k) {
+                least = min(least, box_distance(tree.item_lower(k), tree.item_upper(k), lower, upper));
+                return least.upper > 0.0 ? greatest_square(least.upper) : -kInfinity;  // no box is nearer
+              });
   return least;
+}
+
+double rounded_distance(const BoxTree& tree, const Position& x) {
+  double least = kInfinity;
+  tree.search(
+      [&](const Position& low, const Position& high) { return rounded_squared_distance(low, high, x, x); },
+      [&](std::size_t k) {
+        least = std::min(least, rounded_squared_distance(tree.item_lower(k), tree.item_upper(k), x, x));
+        return least > 0.0 ? least : -kInfinity;
+      });
+  return std::sqrt(least);
 }
 
 // In the map's own axes: the corner of the cell (0, 0) at the origin.
@@ -103,16 +114,17 @@ class OccupiedCells final : public Region {
         level[k] = std::numeric_limits<double>::quiet_NaN();
         continue;
       }
-      const double outside = distance(occupied_, at, at).upper;
-      level[k] = outside > 0.0 ? outside : -distance(free_, at, at).lower;
+      const double outside = rounded_distance(occupied_, at);
+      level[k] = outside > 0.0 ? outside : -rounded_distance(free_, at);
     }
   }
   Interval enclose(const Box& box) const override {
     if (!(box.lower.cwiseAbs().maxCoeff() <= kFarthest && box.upper.cwiseAbs().maxCoeff() <= kFarthest)) {
       return {-kInfinity, kInfinity};
     }
-    const Interval outside = distance_over(occupied_, box), inside = distance_over(free_, box);
+    const Interval outside = distance_over(occupied_, box);
     if (outside.lower > 0.0) return outside;
+    const Interval inside = distance_over(free_, box);
     if (inside.lower > 0.0) return -inside;
     return {-inside.upper, outside.upper};
   }

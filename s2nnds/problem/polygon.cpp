@@ -115,6 +115,28 @@ void check_simple(const Points& vertices, const Eigen::MatrixXi& edges) {
   }
 }
 
+// That each hole lies within the outline and outside of every other hole. No edges meet, so one corner says
+// where a ring lies. Without this an odd number of rings around a point would fill a hole again.
+void check_holes(const Points& corners, const std::vector<Points>& holes) {
+  if (holes.empty()) return;
+  const auto location = [](const RegionPtr& ring, const Points& hole) {
+    const Vector corner = hole.row(0).transpose();
+    return ring->classify({corner, corner});
+  };
+  const RegionPtr outline = polygon(corners);
+  for (std::size_t k = 0; k < holes.size(); ++k) {
+    check(location(outline, holes[k]) == Location::inside,
+          "polygon: hole {} lies outside; expected holes within the polygon", k);
+    const RegionPtr hole = polygon(holes[k]);
+    for (std::size_t other = 0; other < holes.size(); ++other) {
+      check(other == k || location(hole, holes[other]) == Location::outside,
+            "polygon: hole {} lies within hole {}; expected holes side by side, and a polygon of its own for "
+            "an island",
+            other, k);
+    }
+  }
+}
+
 }  // namespace
 
 RegionPtr polygon(const Points& corners, const std::vector<Points>& holes) {
@@ -127,11 +149,7 @@ RegionPtr polygon(const Points& corners, const std::vector<Points>& holes) {
     described += " with the hole " + text(holes[k]);
   }
   check_simple(vertices, edges);
-  const RegionPtr outline = holes.empty() ? nullptr : polygon(corners);
-  for (std::size_t k = 0; k < holes.size(); ++k) {
-    check(outline->contains(holes[k].row(0).transpose()),
-          "polygon: hole {} lies outside; expected holes within the polygon", k);
-  }
+  check_holes(corners, holes);
   return std::make_shared<Polygon>(SimplexSet(vertices, edges), described);
 }
 

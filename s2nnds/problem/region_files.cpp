@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/problem/region_files.h"
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/printable.h"
@@ -13,10 +13,19 @@
 namespace s2nnds {
 namespace {
 
+constexpr std::size_t kMostBytes = 64'000'000;  // of one file
+
+// Reads little more than files may have: devices have no end.
 std::optional<std::string> read_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file.is_open() || std::filesystem::is_directory(path)) return std::nullopt;
-  return std::string(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  std::string bytes;
+  std::array<char, 65536> part{};
+  while (file && bytes.size() <= kMostBytes) {
+    file.read(part.data(), part.size());
+    bytes.append(part.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  return bytes;
 }
 
 }  // namespace
@@ -33,6 +42,9 @@ const std::string& RegionFiles::bytes(const std::string& name) {
   if (!read) fail("cannot read {}: {}", printable(path.string()), std::strerror(errno));
   check(!read->empty(), "{}: expected a file that says something, found an empty one",
         printable(path.string()));
+  check(read->size() <= kMostBytes,
+        "{}: found more than {} MB, expected at most that, because runs keep the file; thin it out",
+        printable(path.string()), kMostBytes / 1'000'000);
   return bytes_.emplace(name, std::move(*read)).first->second;
 }
 

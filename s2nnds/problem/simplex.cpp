@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace s2nnds {
 namespace {
@@ -99,6 +100,16 @@ Interval Simplex::distance(const Position& x) const {
   return {std::min(lower, upper), upper};
 }
 
+double Simplex::rounded_distance(const Position& x) const {
+  const Weights weight = nearest(*this, x);
+  double squares = 0.0;
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    const double to = offset<double>(*this, weight, x, i);
+    squares += to * to;
+  }
+  return std::sqrt(squares);
+}
+
 double Simplex::gap(const Position& center, const Position& half_widths) const {
   const Weights weight = nearest(*this, center);
   Position direction(center.size());
@@ -117,6 +128,27 @@ Interval box_distance(const Position& lower, const Position& upper, const Positi
   }
   return squares.upper == 0.0 ? squares : sqrt(squares);  // exactly 0 where they meet
 }
+
+double rounded_squared_distance(const Position& lower, const Position& upper, const Position& other_lower,
+                                const Position& other_upper) {
+  double squares = 0.0;
+  for (Eigen::Index i = 0; i < lower.size(); ++i) {
+    const double gap = std::max({lower[i] - other_upper[i], other_lower[i] - upper[i], 0.0});
+    squares += gap * gap;
+  }
+  return squares;
+}
+
+double least_squared_distance(const Position& lower, const Position& upper, const Position& other_lower,
+                              const Position& other_upper) {
+  // Each difference, product and sum is wrong by 2^-53 of itself at most, below the normal numbers by 2^-1074;
+  // past the largest number, the exact square is beyond half of it, too.
+  constexpr double largest = std::numeric_limits<double>::max();
+  const double squares = rounded_squared_distance(lower, upper, other_lower, other_upper);
+  return std::min(squares, largest) * (1.0 - 0x1p-40) - 0x1p-1000;
+}
+
+double greatest_square(double distance) { return square(Interval(distance)).upper; }
 
 double half_diagonal(const Box& box) {
   Interval squares = 0.0;

@@ -21,6 +21,7 @@ struct Simplex {
 
   // Holds the exact distance of x [n], all numbers finite.
   Interval distance(const Position& x) const;
+  double rounded_distance(const Position& x) const;  // the same as one number, up to rounding
   // At most the exact distance between the simplex and the box with this centre and these half widths [n].
   double gap(const Position& center, const Position& half_widths) const;
 };
@@ -28,6 +29,16 @@ struct Simplex {
 // At most and at least the exact distance between two boxes, given by their corners [n].
 Interval box_distance(const Position& lower, const Position& upper, const Position& other_lower,
                       const Position& other_upper);
+
+// The squared distance of two boxes, up to rounding; exactly 0 where they meet.
+double rounded_squared_distance(const Position& lower, const Position& upper, const Position& other_lower,
+                                const Position& other_upper);
+// At most the exact squared distance of two boxes, and so near to it that a search that passes over what is
+// farther passes over little less. Much quicker than box_distance().
+double least_squared_distance(const Position& lower, const Position& upper, const Position& other_lower,
+                              const Position& other_upper);
+// At least the square of a distance >= 0, to compare with the above.
+double greatest_square(double distance);
 
 // At least the distance from the centre of a finite box, as Box::center() rounds it, to its farthest point.
 double half_diagonal(const Box& box);

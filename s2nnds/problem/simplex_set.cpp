@@ -9,6 +9,8 @@
 namespace s2nnds {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 BoxTree tree_over(const Points& vertices, const Eigen::MatrixXi& simplices) {
   check(simplices.cols() >= 1 && simplices.cols() <= 3 && simplices.rows() >= 1,
         "simplices: found [{}, {}], expected at least one of 1 to 3 vertices", simplices.rows(),
@@ -42,38 +44,41 @@ Simplex SimplexSet::simplex(std::size_t k) const {
 }
 
 Interval SimplexSet::distance(const Position& x) const {
-  // Nodes farther than the least upper bound change neither bound.
-  Interval least(std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
-  tree_.search(
-      [&](const Position& lower, const Position& upper) { return box_distance(lower, upper, x, x).lower; },
-      [&](std::size_t k) {
-        least = min(least, simplex(k).distance(x));
-        return least.upper;
-      });
+  Interval least(kInfinity, kInfinity);
+  tree_.search([&](const Position& lower,
+                   const Position& upper) { return least_squared_distance(lower, upper, x, x); },
+               [&](std::size_t k) {
+                 least = min(least, simplex(k).distance(x));
+                 return greatest_square(least.upper);
+               });
+  return least;
+}
+
+double SimplexSet::rounded_distance(const Position& x) const {
+  double least = kInfinity;
+  tree_.search([&](const Position& lower,
+                   const Position& upper) { return rounded_squared_distance(lower, upper, x, x); },
+               [&](std::size_t k) {
+                 least = std::min(least, simplex(k).rounded_distance(x));
+                 return least * least;
+               });
   return least;
 }
 
 double SimplexSet::gap(const Box& box) const {
   const Position center = box.center(), half_widths = box.half_widths();
   const Position low = box.lower, high = box.upper;
-  double least = std::numeric_limits<double>::infinity();
+  double least = kInfinity;
   tree_.search([&](const Position& lower,
-                   const Position& upper) { return box_distance(lower, upper, low, high).lower; },
+                   const Position& upper) { return least_squared_distance(lower, upper, low, high); },
                [&](std::size_t k) {
-                 const Simplex one = simplex(k);
                  // Two bounds, of which the larger counts: with a plane between them, and along the axes.
-                 least = std::min(
-                     least,
-                     std::max(one.gap(center, half_widths),
-                              box_distance(tree_.item_lower(k), tree_.item_upper(k), low, high).lower));
-                 return least;
+                 const double along = box_distance(tree_.item_lower(k), tree_.item_upper(k), low, high).lower;
+                 if (along < least)
+                   least = std::min(least, std::max(along, simplex(k).gap(center, half_widths)));
+                 return least > 0.0 ? greatest_square(least) : -kInfinity;  // no box is nearer
                });
   return least;
-}
-
-Interval SimplexSet::distance_over(const Box& box) const {
-  const Interval around = lipschitz_enclosure(distance(box.center()), box);
-  return {std::max({around.lower, gap(box), 0.0}), around.upper};
 }
 
 }  // namespace s2nnds

@@ -19,8 +19,8 @@ class SimplexSet {
   const BoxTree& tree() const { return tree_; }                    // whose items are the simplices
   Simplex simplex(std::size_t k) const;                            // the k-th, k < S
   Interval distance(const Position& x) const;                      // holds the exact distance of x [n]
-  double gap(const Box& box) const;              // at most the exact distance of a finite box
-  Interval distance_over(const Box& box) const;  // holds that of every point of a finite box
+  double rounded_distance(const Position& x) const;                // the same as one number, up to rounding
+  double gap(const Box& box) const;  // at most the exact distance of a finite box
 
  private:
   Points vertices_;

@@ -25,13 +25,17 @@ class Thickened final : public Region {
   void evaluate(const Points& x, Vector& level) const override {
     level.resize(x.rows());
     for (Eigen::Index k = 0; k < x.rows(); ++k) {
-      level[k] = x.row(k).allFinite() ? core_.distance(x.row(k).transpose()).upper - radius_
+      level[k] = x.row(k).allFinite() ? core_.rounded_distance(x.row(k).transpose()) - radius_
                                       : std::numeric_limits<double>::quiet_NaN();
     }
   }
   Interval enclose(const Box& box) const override {
     if (!box.is_finite()) return {-kInfinity, kInfinity};
-    return core_.distance_over(box) - radius_;
+    // Where the distance of the centre says how the box lies to the set, that of the box need not be known.
+    const Interval around = lipschitz_enclosure(core_.distance(box.center()), box) - radius_;
+    if (around.lower > 0.0 || around.upper <= 0.0) return around;
+    const Interval from_gap = Interval(core_.gap(box)) - radius_;
+    return {std::max(around.lower, from_gap.lower), around.upper};
   }
 
  private:
@@ -47,20 +51,21 @@ void SurfaceRegion::evaluate(const Points& x, Vector& level) const {
   for (Eigen::Index k = 0; k < x.rows(); ++k) {
     const Position at = x.row(k).transpose();
     level[k] =
-        at.allFinite() ? side(at) * surface_.distance(at).upper : std::numeric_limits<double>::quiet_NaN();
+        at.allFinite() ? side(at) * surface_.rounded_distance(at) : std::numeric_limits<double>::quiet_NaN();
   }
 }
 
 Interval SurfaceRegion::enclose(const Box& box) const {
   if (!box.is_finite()) return {-kInfinity, kInfinity};
   const Position center = box.center();
-  const Interval distance = surface_.distance(center);
-  // A box that the surface does not meet lies on one side of it; of others only the Lipschitz bound holds.
-  const double gap = surface_.gap(box);
-  const int sign = gap > 0.0 ? side(center) : 0;
+  const Interval distance = surface_.distance(center), around = lipschitz_enclosure(distance, box);
+  // The distance of the whole box is worth its time only near the surface.
+  const bool far = distance.lower > 2.0 * half_diagonal(box);
+  const double least = far ? around.lower : std::max(around.lower, surface_.gap(box));
+  const int sign = side(center);
   if (sign == 0) return lipschitz_enclosure({-distance.upper, distance.upper}, box);
-  const Interval around = lipschitz_enclosure(distance, box);
-  const Interval level(std::max(gap, around.lower), around.upper);
+  // A box that the surface does not meet lies on one side of it; of others only the Lipschitz bound holds.
+  const Interval level(least > 0.0 ? least : around.lower, around.upper);
   return sign > 0 ? level : -level;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <filesystem>
 
 #include "region_attack.h"
 #include "s2nnds/core/check.h"
@@ -247,6 +248,14 @@ TEST(RegionFiles, AreReadOnceKeptAndCompared) {
   expect_message(message_of([&] { stored.bytes("other"); }), "the run does not have it");
   expect_message(message_of([&] { RegionFiles(folder).bytes("none.csv"); }), "cannot read");
   expect_message(message_of([&] { RegionFiles(folder).bytes("."); }), "found a folder");
+  // As large as a run keeps, and one byte more. The file takes no room on the disk.
+  constexpr std::size_t most = 64'000'000;
+  put("x");
+  std::filesystem::resize_file(path, most);
+  EXPECT_EQ(RegionFiles(folder).bytes("region_files_test.csv").size(), most);
+  std::filesystem::resize_file(path, most + 1);
+  expect_message(message_of([&] { RegionFiles(folder).bytes("region_files_test.csv"); }), "more than 64 MB");
+  std::remove(path.c_str());
 }
 
 }  // namespace

@@ -67,6 +67,11 @@ TEST(Polygon, BadOnesAreNamed) {
   expect_message(made("vertices = [[0, 0], [2, 0], [1, 1], [1, 0], [1, 2]]"), "neither cross nor touch");
   const std::string square = "vertices = [[0, 0], [1, 0], [1, 1], [0, 1]]\n";
   expect_message(made(square + "holes = [{vertices = [[2, 2], [3, 2], [2, 3]]}]"), "hole 0 lies outside");
+  const std::string outer = "{vertices = [[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]]}";
+  const std::string inner = "{vertices = [[0.2, 0.2], [0.3, 0.2], [0.2, 0.3]]}";
+  expect_message(made(square + "holes = [" + outer + ", " + inner + "]"), "hole 1 lies within hole 0");
+  expect_message(made(square + "holes = [" + inner + ", " + outer + "]"), "hole 0 lies within hole 1");
+  EXPECT_EQ(made(square + "holes = [" + inner + ", {vertices = [[0.5, 0.5], [0.6, 0.5], [0.5, 0.6]]}]"), "");
   expect_message(made(square + "holes = [{vertices = [[0.5, 0.5], [3, 2], [2, 3]]}]"), "neither cross");
   expect_message(made(square + "radius = 1"), "unknown key radius");
   expect_message(message_of([&] { region_of("type = \"polygon\"\n" + square, 3); }), "3 dimensions");
