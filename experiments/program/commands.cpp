@@ -19,6 +19,7 @@
 #include "s2nnds/evaluation/trajectory_metrics.h"
 #include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/evaluation_run.h"
+#include "s2nnds/runs/scene.h"
 #include "s2nnds/runs/summary.h"
 #include "s2nnds/runs/threads.h"
 #include "s2nnds/runs/training_run.h"
@@ -71,6 +72,15 @@ PreparedRun prepare_stored(const RunRecord& record, const std::string& data) {
     spdlog::warn("{} in {} is not what this run was made with; the run uses its own copy", name, data);
   }
   return setup;
+}
+
+// How far the demonstrations stay from the obstacle, before hours are spent on it.
+void log_clearances(const PreparedRun& setup) {
+  const std::vector<std::string> texts = clearance_texts(
+      clearances_of(setup.problem, setup.config.problem, setup.demonstrations, setup.data.frame),
+      setup.data.frame);
+  for (std::size_t k = 0; k < texts.size(); ++k)
+    spdlog::info("clearance of demonstration {}: {}", k, texts[k]);
 }
 
 // Whether the run has at least the guarantee that this method can give.
@@ -131,6 +141,7 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
   hooks.progress = print_round;
   hooks.checkpoint = [&](const RunRecord& record) { save_run(start.path, record); };
   spdlog::info("{}", frame_line(start.record));
+  log_clearances(start.setup);
   const TrainerSummary summary = s2nnds::train(start.setup, start.record, hooks);
   if (summary.left_out_samples > 0) {
     spdlog::warn("{} demonstration samples within {} of the unsafe set were left out of the fit",

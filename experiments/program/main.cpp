@@ -15,6 +15,7 @@
 #include "s2nnds/core/platform.h"
 #include "s2nnds/deployment/export_format.h"
 #include "s2nnds/runs/version.h"
+#include "scene_commands.h"
 #include "sweep_command.h"
 
 namespace {
@@ -53,8 +54,28 @@ int run(int argc, char** argv) {
     return sub;
   };
 
+  NewArguments fresh;
+  CLI::App* sub = command("new", "read recordings, tell what they hold, and write a configuration for them");
+  sub->add_option("sources", fresh.sources, "files of one kind, or a folder of them")->required();
+  sub->add_option("--out", fresh.out, "configuration to write (TOML); the figure lies beside it")->required();
+  sub->add_option("--unit", fresh.unit, "of the positions: m, mm, cm, rad, deg or another text");
+  sub->add_option("--time", fresh.time, "column of the times, by name or number from 0");
+  sub->add_option("--position", fresh.position, "columns of the positions");
+  sub->add_option("--time-unit", fresh.time_unit, "of the times")
+      ->check(CLI::IsMember({"s", "ms", "us", "ns"}));
+  sub->add_option("--rate", fresh.rate, "samples per second, of files without times")
+      ->check(CLI::PositiveNumber);
+  sub->callback([&] { code = new_config(fresh, common); });
+
+  PreviewArguments looking;
+  sub = command("preview", "draw what a configuration asks for, and name what is wrong with it");
+  sub->add_option("config", looking.config, "configuration (TOML)")->required();
+  sub->add_option("--set", looking.assignments, "key=value, overrides the configuration");
+  sub->add_option("--out", looking.out, "figure to write (default CONFIG-preview.png)");
+  sub->callback([&] { code = preview(looking, common); });
+
   TrainArguments training;
-  CLI::App* sub = command("train", "train to a certificate and store the run");
+  sub = command("train", "train to a certificate and store the run");
   sub->add_option("config", training.config, "configuration (TOML)");
   sub->add_option("--set", training.assignments, "key=value, overrides the configuration");
   sub->add_option("--seed", training.seed, "overrides the configuration's seed");

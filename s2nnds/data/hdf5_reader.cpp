@@ -116,6 +116,7 @@ RecordingSet read_hdf5(const std::string& path, const TableOptions& options) {
   for (const std::string& name : names)
     set.recordings.push_back(read_recording(file, layout.group + "/" + name, layout));
   if (layout.time.empty()) set.time_unit = 1;
+  if (file.has_attribute(layout.group, "unit")) set.unit = file.text_attribute(layout.group, "unit");
   if (layout.group != kOurGroup || !options.columns.position.empty()) {
     set.report.push_back(
         fmt::format("{} demonstrations in {}: position {}, time {}", names.size(), layout.group,

@@ -80,7 +80,7 @@ RecordingSet read_npy(const std::vector<std::string>& paths, const TableOptions&
 
 // HDF5: a group of demonstrations (sorted by number), each with time [M], position [M, n] and, optionally,
 // velocity [M, n]. options.columns names the group (`index`) and the data sets in its members; several that make
-// up the positions stand side by side. Without names: /demonstrations/K/time, position, velocity; robomimic's
+// up the positions stand side by side. Its attribute `unit` is the unit of length. Without names: /demonstrations/K/time, position, velocity; robomimic's
 // /data/demo_K/obs/robot0_eef_pos, whose times count by the control frequency in the file.
 RecordingSet read_hdf5(const std::string& path, const TableOptions& options = {});
 

@@ -208,6 +208,28 @@ void check_initial(const SafetyProblem& problem, const Box& contained, const Use
         problem.unsafe->describe(), unsafe_start ? user.text(*unsafe_start) : "");
 }
 
+SafetyProblem build_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
+                            const Frame& frame, RegionFiles& files, bool checks) {
+  validate(options);
+  check(!demonstrations.empty(), "problem: no demonstrations, expected at least one");
+  const Eigen::Index dimension = demonstrations.front().dimension();
+  const UserCoordinates user(options.frame, frame);
+  const auto [whole, contained] = make_workspace(options, user, dimension);
+  SafetyProblem problem;
+  problem.workspace = whole;
+  if (checks) check_demonstrations_inside(problem.workspace, demonstrations, user);
+  problem.contained = contained;
+  problem.written_unsafe = options.unsafe;
+  problem.unsafe = make_region(options.unsafe, dimension, files, "problem.unsafe");
+  if (options.unsafe.type != "none") problem.unsafe = user.region(problem.unsafe);
+  if (checks) check_unsafe(problem, options.unsafe.type, user);
+  if (options.containment > 0.0) problem.workspace_margin = complement(box_region(contained));
+  problem.written_initial = find_initial(options, first_points(demonstrations), user, contained);
+  problem.initial = user.region(make_region(problem.written_initial, dimension, files, "problem.initial"));
+  if (checks) check_initial(problem, contained, user);
+  return problem;
+}
+
 }  // namespace
 
 void BoundsOptions::visit(FieldVisitor& v) {
@@ -227,24 +249,12 @@ void ProblemOptions::visit(FieldVisitor& v) {
 
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
                            const Frame& frame, RegionFiles& files) {
-  validate(options);
-  check(!demonstrations.empty(), "problem: no demonstrations, expected at least one");
-  const Eigen::Index dimension = demonstrations.front().dimension();
-  const UserCoordinates user(options.frame, frame);
-  const auto [whole, contained] = make_workspace(options, user, dimension);
-  SafetyProblem problem;
-  problem.workspace = whole;
-  check_demonstrations_inside(problem.workspace, demonstrations, user);
-  problem.contained = contained;
-  problem.written_unsafe = options.unsafe;
-  problem.unsafe = make_region(options.unsafe, dimension, files, "problem.unsafe");
-  if (options.unsafe.type != "none") problem.unsafe = user.region(problem.unsafe);
-  check_unsafe(problem, options.unsafe.type, user);
-  if (options.containment > 0.0) problem.workspace_margin = complement(box_region(contained));
-  problem.written_initial = find_initial(options, first_points(demonstrations), user, contained);
-  problem.initial = user.region(make_region(problem.written_initial, dimension, files, "problem.initial"));
-  check_initial(problem, contained, user);
-  return problem;
+  return build_problem(options, demonstrations, frame, files, true);
+}
+
+SafetyProblem draft_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
+                            const Frame& frame, RegionFiles& files) {
+  return build_problem(options, demonstrations, frame, files, false);
 }
 
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,

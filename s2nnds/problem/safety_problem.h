@@ -67,7 +67,11 @@ struct ProblemOptions {
 // Demonstrations may pass through the obstacle. `files` has what regions name as `file`.
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
                            const Frame& frame, RegionFiles& files);
-// The same where no region needs a file that must be kept.
+// The same sets without the checks of where they lie, to look at a problem that is wrong. Throws Error when a
+// set cannot be made at all.
+SafetyProblem draft_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
+                            const Frame& frame, RegionFiles& files);
+// The same as make_problem where no region needs a file that must be kept.
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,
                            const Frame& frame);
 

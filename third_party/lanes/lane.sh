@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # What all lanes do: install what is missing, configure, build, compare the weights of a short training with those of
-# every other lane, run the tests that are not labelled slow. Prints the seconds of each.
+# every other lane, run the tests that are not labelled slow, and those that need packages of pip. Prints the seconds of
+# each.
 # Usage: bash third_party/lanes/lane.sh NAME [-DOPTION=VALUE]...      (builds in build/lanes/NAME)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -44,4 +45,16 @@ done_in "rest of the build"
 step "testing"
 OMP_WAIT_POLICY=passive ctest --test-dir "$build" --output-on-failure --label-exclude slow --parallel "$(nproc)"
 done_in tests
+
+step "importing recordings, with pip's packages"
+if { /usr/bin/python3 -c 'import ensurepip' || apt-get install --yes --quiet python3-venv; } >/dev/null 2>&1 \
+  && /usr/bin/python3 -m venv --system-site-packages "$build/import_venv" \
+  && "$build/import_venv/bin/python" -m pip install --quiet rosbags mcap 'pyarrow<20'; then  # newer ones want NumPy 2
+  for topic in import walkthroughs; do
+    "$build/import_venv/bin/python" "tests/program/${topic}_test.py" "$build/experiments/s2nnds"
+  done
+else
+  echo "left out: no python3-venv, or no network"
+fi
+done_in import
 printf '\nlane %s: %s\n' "$name" "$took"
