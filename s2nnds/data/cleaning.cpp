@@ -8,20 +8,13 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/local_polynomial.h"
+#include "s2nnds/data/quantile.h"
 
 namespace s2nnds {
 namespace {
 
 using Samples = std::vector<Eigen::Index>;
 constexpr double kUsual = 0.9;  // share of the steps that are no longer than the usual one
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 double usual_step(const Recording& r) {
   std::vector<double> steps;

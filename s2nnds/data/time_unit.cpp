@@ -9,6 +9,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/column_names.h"
+#include "s2nnds/data/quantile.h"
 
 namespace s2nnds {
 namespace {
@@ -28,14 +29,6 @@ struct Times {
   double speed = 0;     // median of |change of position| / |change of time|
   double recorded = 0;  // median of the recorded |velocity|, 0: none
 };
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
 
 Times times_of(const Recording& r) {
   std::vector<double> steps, speeds, recorded;
