@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/core/hdf5.h"
 
+#include <fmt/ranges.h>
 #include <hdf5.h>
 
 #include <algorithm>

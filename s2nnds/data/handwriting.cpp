@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/data/handwriting.h"
 
+#include <fmt/ranges.h>
+
 #include <array>
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/differentiation/autodiff.hpp>

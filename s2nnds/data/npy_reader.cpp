@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <optional>
 #include <utility>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/data/numpy_file.h"
 
+#include <fmt/ranges.h>
 #include <zip.h>
 
 #include <algorithm>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/problem/polygon.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "s2nnds/core/check.h"

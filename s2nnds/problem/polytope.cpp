@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/problem/polytope.h"
 
+#include <fmt/ranges.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <numeric>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/problem/tube.h"
 
+#include <fmt/ranges.h>
+
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
