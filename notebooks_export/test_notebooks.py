@@ -4,13 +4,13 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
 import numpy as np
+from execute_notebook import execute_notebook
 
 from s2nnds.plot_paper import main as plot_paper
 from s2nnds.run import Run
@@ -39,30 +39,13 @@ class Notebooks(unittest.TestCase):
     def tearDownClass(cls):
         cls.holder.cleanup()
 
-    def execute(self, name, **environment):
-        with open(os.path.join(HERE, name), encoding="utf-8") as file:
-            self.assertEqual([cell for cell in json.load(file)["cells"] if cell.get("outputs")], [], "stored without outputs")
-        if shutil.which("jupyter-nbconvert") is None:
-            self.skipTest("found no jupyter-nbconvert (Debian: jupyter-nbconvert python3-ipykernel)")
-        done = subprocess.run(
-            ["jupyter-nbconvert", "--to", "notebook", "--execute", "--output-dir", self.folder, name],
-            cwd=HERE,
-            env={**os.environ, "JUPYTER_RUNTIME_DIR": self.folder, **environment},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
-        with open(os.path.join(self.folder, name), encoding="utf-8") as file:
-            return file.read()
-
     def test_run(self):
-        executed = self.execute("run.ipynb", S2NNDS_RUN=self.run_file)
+        executed = execute_notebook("run.ipynb", self.folder, S2NNDS_RUN=self.run_file)
         self.assertGreaterEqual(executed.count('"image/png"'), 3)
         self.assertIn("numpy and torch differ by", executed)
 
     def test_policy(self):
-        executed = self.execute("policy.ipynb", S2NNDS_POLICY=self.policy)
+        executed = execute_notebook("policy.ipynb", self.folder, S2NNDS_POLICY=self.policy)
         self.assertEqual(executed.count('"image/png"'), 1)
 
     def test_paper(self):
@@ -73,7 +56,7 @@ class Notebooks(unittest.TestCase):
             rows = [row, {**row, "profile": "imitation"}]  # of these only certified runs are drawn
             json.dump({"experiment": "lasa_table", "created": "today", "program_version": "1", "seeds": [0], "runs": rows,
                        "tables": {"accuracy": {"head": ["motion"], "rows": [["Sine"]]}}}, file)  # fmt: skip
-        executed = self.execute("paper.ipynb", S2NNDS_RESULTS=results)
+        executed = execute_notebook("paper.ipynb", self.folder, S2NNDS_RESULTS=results)
         self.assertEqual(executed.count('"image/png"'), 1)
         self.assertIn("1 of 1 run files are here", executed)
 

@@ -4,22 +4,18 @@
 
 import contextlib
 import io
-import json
 import os
 import shutil
-import subprocess
-import sys
 import tempfile
 import unittest
 
 import h5py
 import numpy as np
+from execute_notebook import execute_notebook
 
 from s2nnds import plot_sweep
 from s2nnds.sweep import Sweep, SweepError, pareto_front
 from test_plot import synthetic_run
-
-HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 def write_table(path, trials=24, guarantee="proved", **changes):
@@ -158,26 +154,11 @@ class SweepTest(unittest.TestCase):
         self.assertEqual((code, errors.count("\n")), (2, 1))
 
     def test_notebook(self):
-        with open(os.path.join(HERE, "sweep.ipynb"), encoding="utf-8") as file:
-            notebook = json.load(file)
-        self.assertEqual((notebook["nbformat"], [c for c in notebook["cells"] if c.get("outputs")]), (4, []))
-        if shutil.which("jupyter-nbconvert") is None:
-            self.skipTest("found no jupyter-nbconvert (Debian: jupyter-nbconvert python3-ipykernel)")
         write_table(self.table)
         os.makedirs(os.path.join(self.folder, "runs/0000"))
         for trial in range(24):
             synthetic_run(os.path.join(self.folder, f"runs/0000/{trial:07d}.h5"))
-        done = subprocess.run(
-            ["jupyter-nbconvert", "--to", "notebook", "--execute", "--output-dir", self.folder, "sweep.ipynb"],
-            cwd=HERE,
-            env={**os.environ, "S2NNDS_SWEEP": self.folder, "JUPYTER_RUNTIME_DIR": self.folder},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        self.assertEqual(done.returncode, 0, done.stderr[-2000:])
-        with open(os.path.join(self.folder, "sweep.ipynb"), encoding="utf-8") as file:
-            executed = file.read()
+        executed = execute_notebook("sweep.ipynb", self.folder, S2NNDS_SWEEP=self.folder)
         self.assertEqual(executed.count('"image/png"'), 5)
         self.assertIn("covers the goal", executed)
 
