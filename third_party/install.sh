@@ -155,6 +155,14 @@ for line in importlib.metadata.requires("torch") or []:
     || install_pip_torch whole
 }
 
+# One test uses it. It comes with pip's torch alone: apt has none on Debian 12 and Ubuntu 24.04.
+bring_onnxruntime() {
+  [[ " ${sets[*]} " == *" test "* && -n $(pip_torch) ]] && ! has_module onnxruntime || return 0
+  say "installing pip's onnxruntime into $venv"
+  "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --retries 1 onnxruntime \
+    || say "pip could not install onnxruntime; going on without it"
+}
+
 sets=("$@")
 [[ ${#sets[@]} -gt 0 ]] || sets=(build test notebook)
 for name in "${sets[@]}"; do
@@ -187,6 +195,7 @@ if installed libtorch-dev && [[ -z $(pip_torch) && ${S2NNDS_TORCH:-} != pip && "
   optional+=(libopenblas0-pthread)
 fi
 if [[ ${#missing[@]} -eq 0 && ${#optional[@]} -eq 0 && ${#torch[@]} -eq 0 ]]; then
+  bring_onnxruntime
   say "${sets[*]}: all is there"
   exit 0
 fi
@@ -244,3 +253,4 @@ if [[ ${#from_pip[@]} -gt 0 ]]; then
   "$venv/bin/python" -m pip install --quiet --disable-pip-version-check "${from_pip[@]}" \
     || stop "pip could not install ${from_pip[*]}"
 fi
+bring_onnxruntime
