@@ -12,6 +12,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/options.h"
+#include "s2nnds/core/printable.h"
 
 namespace s2nnds {
 
@@ -45,7 +46,8 @@ E enum_from(std::string_view name) {
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (names[k] == name) return static_cast<E>(k);
   }
-  fail("{}: found \"{}\", expected one of {}", EnumNames<E>::what, name, fmt::join(names, ", "));
+  fail("{}: found \"{}\", expected one of {}", EnumNames<E>::what, printable(std::string(name), 200),
+       fmt::join(names, ", "));
 }
 
 // Visits a field that holds one of the names: `value` becomes the one that the visitor leaves there.

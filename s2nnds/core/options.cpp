@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
 #include "s2nnds/core/settings.h"
 #include "s2nnds/core/toml_text.h"
 
@@ -32,11 +33,14 @@ std::string Range::describe() const {
 
 namespace {
 
+// Words of the file, for messages, which name one or two of them.
+std::string excerpt(std::string text) { return printable(std::move(text), 200); }
+
 // What stands in the file, for messages: `an integer 3`, `a string "abc"`.
 std::string found(const toml::node& node) {
   if (node.is_table()) return "a table";
   if (node.is_array()) return fmt::format("a list of {}", node.as_array()->size());
-  if (node.is_string()) return "a string " + toml_text(node);
+  if (node.is_string()) return "a string " + excerpt(toml_text(node));
   if (node.is_floating_point()) return "a number " + toml_text(node);
   if (node.is_integer()) return "an integer " + toml_text(node);
   if (node.is_boolean()) return "a truth value " + toml_text(node);
@@ -68,6 +72,9 @@ std::optional<std::string> nearest(std::string_view name, const Names& candidate
   std::optional<std::string> best;
   std::size_t best_distance = 1 + name.size() / 3;
   for (const std::string& candidate : candidates) {
+    // Each letter that one has more is an edit.
+    if (std::max(name.size(), candidate.size()) - std::min(name.size(), candidate.size()) > best_distance)
+      continue;
     const std::size_t distance = edit_distance(name, candidate);
     if (distance < best_distance || (distance == best_distance && !best)) {
       best = candidate;
@@ -116,7 +123,7 @@ void check_bound(const std::string& where, const std::string& name, const std::s
                  const std::vector<std::string>& choices) {
   if (choices.empty() || std::find(choices.begin(), choices.end(), value) != choices.end()) return;
   const auto guess = nearest(value, choices);
-  fail("{}{}: expected one of {}, found {}{}", where, name, joined(choices), string_text(value),
+  fail("{}{}: expected one of {}, found {}{}", where, name, joined(choices), excerpt(string_text(value)),
        guess ? fmt::format("; did you mean {}?", *guess) : "");
 }
 void check_bound(const std::string& where, const std::string& name, const WordOrNumbers& value,
@@ -307,7 +314,7 @@ class TomlReader final : public UniformVisitor<TomlReader, NamedVisitor> {
     for (const auto& [key, node] : table) {
       const std::string name(key.str());
       if (std::find(names.begin(), names.end(), name) == names.end()) {
-        fail("{}unknown key {}{}; {}", where(key.source()), prefix, name, suggestion(prefix, name));
+        fail("{}unknown key {}{}; {}", where(key.source()), prefix, excerpt(name), suggestion(prefix, name));
       }
       check_inside(node, prefix + name);
     }

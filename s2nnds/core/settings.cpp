@@ -46,17 +46,18 @@ toml::table parse_toml(const std::string& text, const std::string& source) {
   try {
     return toml::parse(text, source);
   } catch (const toml::parse_error& error) {
-    fail("{}:{}: not TOML: {}", source, error.source().begin.line, error.description());
+    fail("{}:{}: not TOML: {}", source, error.source().begin.line,
+         printable(std::string(error.description()), 400));
   }
 }
 
 void apply_setting(toml::table& document, const std::string& setting) {
   const auto equals = setting.find('=');
-  check(equals != std::string::npos, "setting \"{}\": expected key=value", printable(setting));
+  check(equals != std::string::npos, "setting \"{}\": expected key=value", printable(setting, 200));
   std::vector<std::string> path;
   std::istringstream keys(trimmed(setting.substr(0, equals)) + ".");
   for (std::string key; std::getline(keys, key, '.');) {
-    check(!key.empty(), "setting \"{}\": expected a dotted key before \"=\"", printable(setting));
+    check(!key.empty(), "setting \"{}\": expected a dotted key before \"=\"", printable(setting, 200));
     path.push_back(key);
   }
   const std::string name = path.back();
@@ -64,8 +65,8 @@ void apply_setting(toml::table& document, const std::string& setting) {
   toml::node* parent = &document;
   for (const std::string& key : path) {
     parent = child(*parent, key);
-    check(parent != nullptr, "setting \"{}\": there is no {} to set it in", printable(setting),
-          printable(key));
+    check(parent != nullptr, "setting \"{}\": there is no {} to set it in", printable(setting, 200),
+          printable(key, 200));
   }
   const toml::table holder = parse_value(trimmed(setting.substr(equals + 1)));
   const toml::node& value = *holder.get("value");
@@ -73,8 +74,8 @@ void apply_setting(toml::table& document, const std::string& setting) {
     value.visit([&](const auto& node) { table->insert_or_assign(name, node); });
     return;
   }
-  check(child(*parent, name) != nullptr, "setting \"{}\": there is no {} to set", printable(setting),
-        printable(name));
+  check(child(*parent, name) != nullptr, "setting \"{}\": there is no {} to set", printable(setting, 200),
+        printable(name, 200));
   auto* array = parent->as_array();
   value.visit([&](const auto& node) { array->replace(array->cbegin() + std::stol(name), node); });
 }

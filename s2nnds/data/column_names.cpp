@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
 
 namespace s2nnds {
 namespace {
@@ -191,7 +192,7 @@ std::string quoted(const Names& names) {
   constexpr std::size_t kMost = 12;
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
-    text += fmt::format("{}'{}'", i > 0 ? ", " : "", names[i].substr(0, 60));
+    text += fmt::format("{}'{}'", i > 0 ? ", " : "", printable(names[i], 60));
   return names.size() > kMost ? fmt::format("{} and {} more", text, names.size() - kMost) : text;
 }
 
@@ -212,7 +213,7 @@ class Finder {
     const bool is_number = error == std::errc() && end == wanted.data() + wanted.size();
     check(is_number && number < names_.size(),
           "{}: found the {} columns {}; expected '{}' as data.columns.{} says, a name or a number from 0",
-          where_, names_.size(), quoted(names_), wanted, key);
+          where_, names_.size(), quoted(names_), printable(wanted, 200), key);
     return number;
   }
 

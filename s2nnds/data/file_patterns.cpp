@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
 
 namespace s2nnds {
 namespace {
@@ -53,11 +54,12 @@ std::vector<std::string> files_in(const fs::path& folder, const std::function<bo
   std::error_code error;
   std::vector<std::string> files;
   check(fs::is_directory(folder, error), "{}: found no such folder; expected one with data files",
-        folder.string());
+        printable(folder.string()));
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
     if (entry.is_regular_file(error) && wanted(entry.path().filename()))
       files.push_back(entry.path().string());
-  check(!files.empty(), "{}: found no files {}; expected at least one (data.files)", folder.string(), what);
+  check(!files.empty(), "{}: found no files {}; expected at least one (data.files)",
+        printable(folder.string()), what);
   std::sort(files.begin(), files.end(), naturally_before);
   return files;
 }
@@ -75,12 +77,12 @@ std::vector<std::string> files_of(const std::string& pattern, const std::string&
   if (fs::exists(path, error)) return {path.string()};
   check(is_pattern(path.filename().string()),
         "{}: found no such file; expected it in the data directory '{}' (--data DIR or S2NNDS_DATA)",
-        path.string(), folder);
+        printable(path.string()), folder);
   const std::string names = path.filename().string();
   return files_in(
       path.parent_path(),
       [&](const fs::path& file) { return fnmatch(names.c_str(), file.c_str(), FNM_PERIOD) == 0; },
-      fmt::format("as '{}'", names));
+      fmt::format("as '{}'", printable(names, 200)));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/printable.h"
 #include "s2nnds/data/file_patterns.h"
 #include "s2nnds/data/handwriting.h"
 #include "s2nnds/data/recording.h"
@@ -31,8 +32,9 @@ std::string resolve(const std::string& file, const DataOptions& options, const s
   const std::string path = (std::filesystem::path(data_dir) / file).string();
   std::error_code error;
   check(std::filesystem::exists(path, error),
-        "{}: found no such file; expected it in the data directory '{}' (--data DIR or S2NNDS_DATA){}", path,
-        data_dir, options.source == "lasa" ? "; experiments/get_lasa.sh gets the LASA files" : "");
+        "{}: found no such file; expected it in the data directory '{}' (--data DIR or S2NNDS_DATA){}",
+        printable(path), data_dir,
+        options.source == "lasa" ? "; experiments/get_lasa.sh gets the LASA files" : "");
   return path;
 }
 

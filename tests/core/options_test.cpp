@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -192,6 +193,20 @@ TEST(ReadToml, ListsReplaceTheOldOnes) {
   EXPECT_TRUE(settings.files.empty());
 }
 
+TEST(ReadToml, ShowsWordsOfTheFileShortAndOnOneLine) {
+  const std::string longest(1'000'000, 'a');
+  EXPECT_EQ(read_error("\"a\\nb\" = 1").substr(0, 27), "my.toml:1: unknown key a?b;");
+  const std::vector<std::string> texts = {
+      longest + " = 1", "seed = \"" + longest + "\"", "[inner.shape]\ntype = \"" + longest + "\"",
+      longest + " = 1\n" + longest + " = 2", "\"a\\nb\" = 1\n\"a\\nb\" = 2"};
+  for (const std::string& text : texts) {
+    const std::string message = read_error(text);
+    EXPECT_LT(message.size(), 600U);
+    EXPECT_TRUE(std::none_of(message.begin(), message.end(), [](unsigned char c) { return c < 0x20; }))
+        << message;
+  }
+}
+
 TEST(ReadToml, SuggestsTheNearestKey) {
   EXPECT_EQ(read_error("\n[training]\nroundz = 3"),
             "my.toml:3: unknown key training.roundz; did you mean training.rounds?");
@@ -370,6 +385,7 @@ TEST(Settings, TextKeepsWhatItSays) {
 }
 
 TEST(Settings, MessagesNameTheLineOrTheSetting) {
+  EXPECT_LT(set_error("seed = 1", {std::string(1'000'000, 'a')}).size(), 300U);
   const std::string text = "# head\n\nseed = 1\n\n[training]\nroundz = 3\nrate = 0.1\n";
   EXPECT_EQ(set_error(text, {"seed=2", "name=x"}),
             "my.toml:6: unknown key training.roundz; did you mean training.rounds?");
