@@ -287,12 +287,13 @@ inline double barrier(const double* x) noexcept {{
   return y;
 }}
 
-// Whether x [dimension] lies in the safe set: barrier(x) <= 0 and inside the workspace. False for NaN.
+// Whether x [dimension] lies in the safe set: the barrier is <= 0, by more than rounding may have lost, and x is inside
+// the workspace. False for NaN.
 inline bool safe(const double* x) noexcept {{
   for (int i = 0; i < dimension; ++i) {{
     if (!(x[i] >= workspace[i] && x[i] <= workspace[dimension + i])) return false;
   }}
-  return barrier(x) <= 0.0;
+  return barrier(x) <= -barrier_float64_error;
 }}
 
 }}  // namespace {1}

@@ -62,6 +62,16 @@ class GraphBuilder {
     return result;
   }
 
+  // [N, n] -> [N]. Its axes are a list, which no other attribute here is.
+  std::string least_of_row(const std::string& rows) {
+    const std::string result = node("ReduceMin", {rows}, {{"keepdims", 0}});
+    onnx::AttributeProto& axes = *graph_.mutable_node(graph_.node_size() - 1)->add_attribute();
+    axes.set_name("axes");
+    axes.set_type(onnx::AttributeProto::INTS);
+    axes.add_ints(1);
+    return result;
+  }
+
  private:
   std::string next_name() { return fmt::format("value_{}", count_++); }
 
@@ -114,10 +124,11 @@ std::string add_network(GraphBuilder& graph, const NetworkWeights& stack, const 
   return a;
 }
 
-void describe(onnx::ValueInfoProto& value, const std::string& name, std::int64_t columns) {
+void describe(onnx::ValueInfoProto& value, const std::string& name, std::int64_t columns,
+              onnx::TensorProto::DataType element = onnx::TensorProto::DOUBLE) {
   value.set_name(name);
   onnx::TypeProto::Tensor& type = *value.mutable_type()->mutable_tensor_type();
-  type.set_elem_type(onnx::TensorProto::DOUBLE);
+  type.set_elem_type(element);
   type.mutable_shape()->add_dim()->set_dim_param("N");
   if (columns > 0) type.mutable_shape()->add_dim()->set_dim_value(columns);
 }
@@ -141,6 +152,7 @@ std::string onnx_model(const Policy& policy) {
   describe(*graph.add_output(), "velocity", info.dimension);
   describe(*graph.add_output(), "lyapunov", 0);
   describe(*graph.add_output(), "barrier", 0);
+  describe(*graph.add_output(), "safe", 0, onnx::TensorProto::BOOL);
   GraphBuilder builder(graph);
   // Positions come and results go in double, the networks compute in float: a position far from the origin keeps
   // its digits until the goal is subtracted.
@@ -159,6 +171,19 @@ std::string onnx_model(const Policy& policy) {
     if (stack->head != Head::squared_norm) y = builder.node("Squeeze", {y, builder.axis_one()});
     cast(y, onnx::TensorProto::DOUBLE, name);
   }
+  // In the workspace (all coordinates are: the least of 0 and 1 is 1), and B <= 0 by more than float may have lost.
+  const auto middle = info.workspace.begin() + info.dimension;
+  const std::string inside = builder.node(
+      "And",
+      {builder.node("GreaterOrEqual",
+                    {"position", builder.constant_double({info.workspace.begin(), middle})}),
+       builder.node("LessOrEqual", {"position", builder.constant_double({middle, info.workspace.end()})})});
+  const std::string least = builder.least_of_row(cast(inside, onnx::TensorProto::DOUBLE));
+  builder.node(
+      "And",
+      {cast(least, onnx::TensorProto::BOOL),
+       builder.node("LessOrEqual", {"barrier", builder.constant_double({-info.barrier_float32_error})})},
+      {}, "safe");
   info.visit([&](const char* name, const auto& value, const char*) {
     onnx::StringStringEntryProto& property = *model.add_metadata_props();
     property.set_key(name);

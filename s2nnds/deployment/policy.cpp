@@ -6,7 +6,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/problem/interval.h"
-#include "s2nnds/verification/float32_error.h"
+#include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
 
@@ -40,9 +40,9 @@ Policy policy_of(const RunRecord& record) {
     info.workspace.push_back(in_data(workspace.upper[i], i).lower);
   info.disturbance_margin = frame.velocity_scale * certificate.disturbance_margin;
   info.convergence_radius = frame.position_scale * certificate.convergence_radius;
-  const double error = certificate.float32_error > 0.0 ? certificate.float32_error
-                                                       : float32_error(record.networks.f, workspace);
-  info.float32_error = frame.velocity_scale * error;
+  info.float32_error = frame.velocity_scale * float32_error(record.networks.f, workspace);
+  info.barrier_float32_error = float32_error(record.networks.B, workspace);
+  info.barrier_float64_error = float64_error(record.networks.B, workspace);
   return policy;
 }
 
@@ -68,6 +68,9 @@ void check_policy(const Policy& policy) {
             std::isfinite(info.velocity_scale),
         "policy: found the scales {} and {}, expected finite and positive ones", info.position_scale,
         info.velocity_scale);
+  check(info.barrier_float32_error >= 0.0 && info.barrier_float64_error >= 0.0,
+        "policy: found the bounds {} and {} on the barrier's rounding, expected ones >= 0",
+        info.barrier_float32_error, info.barrier_float64_error);
   const std::string found = weight_hash(policy.networks);
   check(found == info.weight_hash, "policy: found weights {:.16}..., but the certificate speaks of {:.16}...",
         found, info.weight_hash);

@@ -32,6 +32,9 @@ struct PolicyInfo {
   double disturbance_margin = 0.0;  // certified for x' = velocity(x) + w, |w| <= this; 0: none
   double convergence_radius = 0.0;  // such motions reach this distance from the goal
   double float32_error = 0.0;       // bound on |error| of the velocity in float, in the workspace
+  // The same of the barrier, in float and in double: `safe` compares the barrier with minus the one that applies, so
+  // that it is never true where the exact barrier is positive.
+  double barrier_float32_error = 0.0, barrier_float64_error = 0.0;
 
   // Calls visit(name, value, meaning) for every field, so that no exporter lists them again; a value is a
   // std::string, std::int64_t, double or std::vector<double>.
@@ -54,6 +57,8 @@ struct PolicyInfo {
           "certified for x' = velocity(x) + w, |w| <= this; 0: none");
     visit("convergence_radius", convergence_radius, "such motions reach this distance from the goal");
     visit("float32_error", float32_error, "bound on |error| of the velocity in float, in the workspace");
+    visit("barrier_float32_error", barrier_float32_error, "the same of the barrier in float");
+    visit("barrier_float64_error", barrier_float64_error, "the same of the barrier in double");
   }
 };
 
@@ -63,7 +68,7 @@ struct Policy {
   PolicyInfo info;    // units, scales and the guarantee
 };
 
-// The policy of a stored run. A float32_error that the certificate does not state is computed.
+// The policy of a stored run, with the bounds on rounding of its weights.
 Policy policy_of(const RunRecord& record);
 
 // Throws Error unless the networks map n -> n, n -> 1 and n -> 1, weights are finite, goal, workspace and scales

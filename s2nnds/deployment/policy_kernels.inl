@@ -2,7 +2,7 @@
 // The part of an exported C++ header that is the same for every policy: dense layers and activations, inside
 // the policy's namespace `detail` and behind networks/simd_exponential.inl. It needs <cmath> and <utility>.
 // Against exact arithmetic its activations are wrong by at most 3 units in the last place (of 1, where they
-// are bounded), which float32_error() (verification/float32_error.h) covers with its 8.
+// are bounded), which float32_error() (verification/rounding_error.h) covers with its 8.
 
 // Some columns of z = w x + bias, w [In][Out], kept in registers over all of x. With few columns, even and
 // odd inputs are summed apart: one chain of additions would wait for itself.

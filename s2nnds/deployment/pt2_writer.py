@@ -87,7 +87,7 @@ def policy_module(torch, policy):
                 "velocity": self.network("f", z) * policy["info"]["velocity_scale"],
                 "lyapunov": self.network("V", z).squeeze(1),
                 "barrier": barrier,
-                "safe": (barrier <= 0.0) & inside,
+                "safe": (barrier <= -policy["info"]["barrier_float64_error"]) & inside,
             }
 
     return Module().eval()

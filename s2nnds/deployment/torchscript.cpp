@@ -75,7 +75,7 @@ void set_attributes(torch::jit::Module& module, const PolicyInfo& info) {
 
 // Goal and workspace are lists, not buffers, which would follow a module that is cast to another precision; what is
 // compared with them and subtracted from is float64 whatever the positions are. (torch.tensor of numbers would round
-// them to float32 first.)
+// them to float32 first.) The weights are rounded to float32, so that its bound counts in float64 as well.
 void define_interface(torch::jit::Module& module) {
   module.define(fmt::format(R"(
 def constants(self, values: List[float], x: Tensor) -> Tensor:
@@ -101,9 +101,11 @@ def safe(self, x: Tensor) -> Tensor:
   corners = self.constants(self.workspace, x)
   y = x.to({0})
   inside = (y >= corners[:self.dimension]) & (y <= corners[self.dimension:])
-  return (self.barrier(x) <= 0) & inside.all(1)
+  barrier = self.B(self.normalised(x)).squeeze(1)
+  assert barrier.dtype == {1} or barrier.dtype == {0}, "safe: found another precision than float32 and float64"
+  return (barrier <= -self.barrier_float32_error) & inside.all(1)
 )",
-                            static_cast<int>(torch::kFloat64)));
+                            static_cast<int>(torch::kFloat64), static_cast<int>(torch::kFloat32)));
 }
 
 // In memory: when a write fails, torch's own file writer throws out of its destructor and ends the program.

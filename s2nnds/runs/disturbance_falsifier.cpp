@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "s2nnds/verification/disturbance_margin.h"
-#include "s2nnds/verification/float32_error.h"
+#include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
 namespace {

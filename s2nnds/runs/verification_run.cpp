@@ -6,7 +6,7 @@
 #include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/statement.h"
 #include "s2nnds/verification/disturbance_margin.h"
-#include "s2nnds/verification/float32_error.h"
+#include "s2nnds/verification/rounding_error.h"
 #include "s2nnds/verification/guarantee.h"
 
 namespace s2nnds {
@@ -78,6 +78,8 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
   }
   certificate.weight_hash = weight_hash(record.networks);
   certificate.level_band = setup.config.training.level_band;
+  certificate.barrier_float32_error = float32_error(record.networks.B, setup.problem.workspace);
+  certificate.barrier_float64_error = float64_error(record.networks.B, setup.problem.workspace);
   const std::vector<ConditionVerdict> verdicts = verdicts_by(method, setup, record, options, progress);
   std::erase_if(certificate.conditions, [&](const ConditionVerdict& old) { return old.method == method; });
   certificate.conditions.insert(certificate.conditions.end(), verdicts.begin(), verdicts.end());

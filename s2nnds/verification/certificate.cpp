@@ -47,6 +47,8 @@ void Certificate::visit(FieldVisitor& v) {
   v.field("disturbance_margin", disturbance_margin, at_least(0));
   v.field("convergence_radius", convergence_radius, at_least(0));
   v.field("float32_error", float32_error, any_number());
+  v.field("barrier_float32_error", barrier_float32_error, any_number());
+  v.field("barrier_float64_error", barrier_float64_error, any_number());
   v.field("statement", statement);
   side.visit(v);
   v.list("conditions", conditions);

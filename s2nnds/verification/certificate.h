@@ -105,8 +105,10 @@ struct Certificate {
   double level_band = 0.0;                // eps_B
   double disturbance_margin = 0.0;        // largest certified |w| (normalised velocity); 0: not certified
   double convergence_radius = 0.0;        // of the ball (normalised) that motions under such w converge to
-  double float32_error = 0.0;  // bound on the error of f evaluated in float32 (normalised velocity)
-  std::string statement;       // what holds, in a paragraph a roboticist can read
+  double float32_error = 0.0;          // bound on the error of f evaluated in float32 (normalised velocity)
+  double barrier_float32_error = 0.0;  // the same of B, in X: B <= 0 where B in float32 is at most minus this
+  double barrier_float64_error = 0.0;  // and in double
+  std::string statement;               // what holds, in a paragraph a roboticist can read
   std::vector<ConditionVerdict> conditions;  // of every method used, at most one a method and condition
   SideConditions side;                       // found by the last proof
 

@@ -13,10 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "boundary_positions.h"
 #include "random_policy.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
-#include "s2nnds/verification/float32_error.h"
+#include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
 namespace {
@@ -215,10 +216,30 @@ TEST_F(CppHeader, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
   networks.B.layers = {above};
   write_policy(networks, "header", path("policy.h"));
   // Workspace [-50, 60]^2 around the goal.
-  const Points from_goal{{10, -5}, {10, 5}, {10, -55}, {-55, -5}, {59, -5}, {61, -5}, {10, 0}, {60, -50}};
+  const Points from_goal{{10, -5}, {10, 5}, {10, -55}, {-55, -5}, {59, -5}, {61, -5}, {10, -1e-9}, {60, -50}};
   const Answers found = ask(positions(from_goal / 40.0), "-O2");
   const Vector expected{{1, 0, 0, 0, 1, 0, 1, 1}};
   EXPECT_EQ(found.safe, expected);
+}
+
+// On {B = 0}, where rounding decides.
+TEST_P(CppHeaderOf, SafeIsNeverTrueWhereTheExactBarrierIsPositive) {
+  const Networks networks =
+      with_barrier(random_networks(2, Activation::tanh, random_), GetParam(), random_);
+  const Policy policy = random_policy(networks);
+  const Points x = boundary_positions(policy, 150, random_);
+  write_policy(networks, "header", path("policy.h"));
+  for (const char* flags : {"-O0", kFast}) {
+    const Answers found = ask(x, flags);
+    double largest = 0.0;
+    for (Eigen::Index i = 0; i < x.rows(); ++i) {
+      const Exact exact = exact_barrier(policy, x.row(i));
+      EXPECT_FALSE(found.safe[i] == 1.0 && exact > 0) << flags << ' ' << i;
+      largest = std::max(largest, std::abs(static_cast<double>(found.barrier[i] - exact)));
+    }
+    EXPECT_LE(largest, policy.info.barrier_float64_error) << flags;
+    EXPECT_LE(policy.info.barrier_float64_error, 1e4 * largest) << flags;
+  }
 }
 
 TEST_F(CppHeader, CarriesWhatIsGuaranteedOfWhichWeights) {

@@ -9,6 +9,7 @@
 #include "s2nnds/core/random.h"
 #include "s2nnds/deployment/export_format.h"
 #include "s2nnds/networks/network_weights.h"
+#include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
 
@@ -64,6 +65,9 @@ inline Policy random_policy(const Networks& networks) {
   info.disturbance_margin = 6.25;
   info.convergence_radius = 3.5;
   info.float32_error = 2.5e-4;
+  const Vector corner = Vector::Constant(info.dimension, 1.5);
+  info.barrier_float32_error = float32_error(networks.B, {-corner, corner});
+  info.barrier_float64_error = float64_error(networks.B, {-corner, corner});
   return policy;
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "boundary_positions.h"
 #include "random_policy.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
@@ -129,6 +130,33 @@ TEST_F(Torchscript, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
       torch::tensor({512.0, -256.0});
   const torch::Tensor safe = policy.run_method("safe", x).toTensor();
   EXPECT_TRUE(torch::equal(safe, torch::tensor({true, false, false, false, true}))) << safe;
+}
+
+// On {B = 0}, where rounding decides.
+TEST_F(Torchscript, SafeIsNeverTrueWhereTheExactBarrierIsPositive) {
+  for (const Activation activation : {Activation::tanh, Activation::silu}) {
+    const Networks networks = with_barrier(random_networks(2, activation, random_), activation, random_);
+    const Policy policy = random_policy(networks);
+    write_policy(networks, "torchscript", path("policy.pt"));
+    torch::jit::Module module = torch::jit::load(path("policy.pt"));
+    Points raw = boundary_positions(policy, 300, random_);
+    const torch::Tensor x = torch::from_blob(raw.data(), {raw.rows(), 2}, torch::kFloat64);
+    double largest = 0.0;
+    for (const torch::ScalarType type : {torch::kFloat32, torch::kFloat64}) {
+      module.to(type);
+      const Points barrier = to_points(module.run_method("barrier", x).toTensor());
+      const Points safe = to_points(module.run_method("safe", x).toTensor());
+      for (Eigen::Index i = 0; i < raw.rows(); ++i) {
+        const Exact exact = exact_barrier(policy, raw.row(i));
+        EXPECT_FALSE(safe(i) == 1.0 && exact > 0) << toString(type) << ' ' << i;
+        largest = std::max(largest, std::abs(static_cast<double>(barrier(i) - exact)));
+      }
+    }
+    EXPECT_LE(largest, policy.info.barrier_float32_error);
+    EXPECT_LE(policy.info.barrier_float32_error, 1e4 * largest);
+    module.to(torch::kFloat16);  // no bound covers it
+    EXPECT_ANY_THROW(module.run_method("safe", x));
+  }
 }
 
 TEST_F(Torchscript, WritesTheFileWholeOrNotAtAll) {

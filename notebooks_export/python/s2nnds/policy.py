@@ -30,6 +30,7 @@ class Policy(torch.nn.Module):
         self.dimension: int = run.dimension
         self.position_scale: float = run.data.position_scale
         self.velocity_scale: float = run.data.velocity_scale
+        self.barrier_error: float = run.certificate.get("barrier_float64_error", 0.0)
         self.register_buffer("goal", torch.tensor(run.data.goal))
         self.register_buffer("workspace_lower", torch.tensor(run.data.to_data(run.problem.workspace_lower)))
         self.register_buffer("workspace_upper", torch.tensor(run.data.to_data(run.problem.workspace_upper)))
@@ -47,7 +48,7 @@ class Policy(torch.nn.Module):
         return self.B(self._normalised(x)).to(x.dtype)
 
     def safe(self, x: torch.Tensor) -> torch.Tensor:
-        """[N] whether x lies in the safe set: B <= 0, within the workspace."""
+        """[N] whether x lies in the safe set: B <= 0 by more than rounding, within the workspace."""
         y = x.to(self.workspace_lower.dtype)
         inside = (y >= self.workspace_lower) & (y <= self.workspace_upper)
-        return (self.barrier(x) <= 0) & inside.all(1)
+        return (self.B(self._normalised(x)) <= -self.barrier_error) & inside.all(1)

@@ -409,10 +409,10 @@ class Run:
         return self.B(self.data.to_normalized(position))
 
     def safe(self, position):
-        """Whether B <= 0 inside the workspace: [N], or a truth value for a single point."""
+        """Whether B <= 0, by more than rounding, inside the workspace: [N], or a truth value for a single point."""
         z = self.data.to_normalized(position)
         inside = np.all((z >= self.problem.workspace_lower) & (z <= self.problem.workspace_upper), axis=-1)
-        return inside & (self.B(z) <= 0.0)
+        return inside & (self.B(z) <= -self.certificate.get("barrier_float64_error", 0.0))
 
     def in_data_unit(self):
         """A copy with workspace, demonstrations, rollouts, grid and open boxes in the data's unit and frame, times in s.

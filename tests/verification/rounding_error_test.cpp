@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "s2nnds/verification/float32_error.h"
+#include "s2nnds/verification/rounding_error.h"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +44,7 @@ TEST(Float32Error, BoundsTheErrorWithoutLosingSight) {
     EXPECT_LT(bound, 1e-2) << to_string(activation);
   }
   EXPECT_THROW(
-      float32_error(random_stack({2, 4, 4}, Activation::tanh, Head::squared_norm, random), Box::cube(2, 1.0)),
+      float64_error(random_stack({2, 4, 4}, Activation::tanh, Head::squared_norm, random), Box::cube(2, 1.0)),
       Error);
 }
 

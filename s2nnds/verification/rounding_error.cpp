@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "s2nnds/verification/float32_error.h"
+#include "s2nnds/verification/rounding_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,12 @@ namespace {
 
 // The roundings, in double, of sums of non-negative numbers over a layer's neurons, up to a million of them.
 constexpr double layer_slack = 1.0 + 1e-9;
-constexpr double float_roundoff = 0x1p-24;
-constexpr double float_tiny = 1e-35;  // gradual underflow, summed over a layer
+
+struct Format {
+  double roundoff;  // relative error of one rounding
+  double tiny;      // above what gradual underflow loses, summed over a layer
+};
+constexpr Format single = {0x1p-24, 1e-35}, twice = {0x1p-53, 1e-300};
 
 double lipschitz(Activation activation) { return activation == Activation::silu ? 1.1 : 1.0; }
 
@@ -34,17 +38,19 @@ double activation_size(Activation activation, double size) {
   return size;
 }
 
-// |y_float32 - y| for each output at boxes around `center`.
-Vector propagate(const NetworkWeights& network, const Vector& center, const Vector& half) {
+// |computed y - y| for each output at boxes around `center`.
+Vector propagate(const NetworkWeights& network, const Format& format, const Vector& center,
+                 const Vector& half) {
   Vector middle = center, reach = half;  // a lies within middle +- reach
-  Vector error = 6.0 * float_roundoff * (center.cwiseAbs() + half);
+  Vector error = 6.0 * format.roundoff * (center.cwiseAbs() + half);
+  error.array() += format.tiny;
   for (const Layer& layer : network.layers) {
     const Points size = layer.weight.cwiseAbs();
     const Vector bias = layer.bias.size() > 0 ? layer.bias : Vector::Zero(layer.weight.rows());
     const Vector largest = middle.cwiseAbs() + reach + error;
-    const double rounding = 1.01 * (static_cast<double>(layer.weight.cols()) + 4.0) * float_roundoff;
+    const double rounding = 1.01 * (static_cast<double>(layer.weight.cols()) + 4.0) * format.roundoff;
     error = layer_slack * (size * error + rounding * (size * largest + bias.cwiseAbs()));
-    error.array() += float_tiny;
+    error.array() += format.tiny;
     reach = layer_slack * (size * reach);
     reach.array() += 1e-12 * (size * middle.cwiseAbs() + bias.cwiseAbs()).array();
     middle = layer.weight * middle + bias;
@@ -64,28 +70,26 @@ Vector propagate(const NetworkWeights& network, const Vector& center, const Vect
         reach(i) = activation_size(layer.activation, farthest);
       }
       const double unit = std::max(activation_size(layer.activation, farthest), 1.0);
-      error(i) = layer_slack * slope * error(i) + 8.0 * 2.0 * float_roundoff * unit;
+      error(i) = layer_slack * slope * error(i) + 8.0 * 2.0 * format.roundoff * unit;
     }
   }
   const Vector size = middle.cwiseAbs() + reach + error;
-  return error + 4.0 * float_roundoff * size;
+  return error + 4.0 * format.roundoff * size;
 }
 
-}  // namespace
-
-double float32_error(const NetworkWeights& network, const Box& box) {
+double largest_error(const NetworkWeights& network, const Format& format, const Box& box) {
   const StandardFloatingPoint mode;
   network.check();
-  check(network.head != Head::squared_norm, "float32 error: expected a vector field");
+  check(network.head != Head::squared_norm, "rounding error: found the head squared_norm, expected another");
   const Eigen::Index n = box.dimension();
   check(n == network.input_dimension() && box.is_finite(),
-        "float32 error: expected a bounded box of dimension {}", network.input_dimension());
+        "rounding error: expected a bounded box of dimension {}", network.input_dimension());
   // A grid of some 4,000 cells: on small boxes activations are not steeper than they are.
   const auto side = static_cast<Eigen::Index>(std::max(2.0, std::floor(std::pow(4096.0, 1.0 / double(n)))));
   Eigen::Index cells = 1;
   for (Eigen::Index d = 0; d < n; ++d) cells *= side;
   const Vector offset = network.head == Head::zero_at_origin
-                            ? propagate(network, Vector::Zero(n), Vector::Zero(n))
+                            ? propagate(network, format, Vector::Zero(n), Vector::Zero(n))
                             : Vector::Zero(network.output_dimension());
   const Vector half = (box.upper - box.lower) / (2.0 * double(side)) * layer_slack;
   double largest = 0.0;
@@ -94,11 +98,21 @@ double float32_error(const NetworkWeights& network, const Box& box) {
     for (Eigen::Index d = 0, rest = cell; d < n; ++d, rest /= side) {
       center(d) = box.lower(d) + (box.upper(d) - box.lower(d)) * (double(rest % side) + 0.5) / double(side);
     }
-    const double found = (propagate(network, center, half) + offset).norm();
+    const double found = (propagate(network, format, center, half) + offset).norm();
     if (!(found <= largest)) largest = found;
     if (std::isnan(found)) return std::numeric_limits<double>::infinity();
   }
   return largest * layer_slack;
+}
+
+}  // namespace
+
+double float32_error(const NetworkWeights& network, const Box& box) {
+  return largest_error(network, single, box);
+}
+
+double float64_error(const NetworkWeights& network, const Box& box) {
+  return largest_error(network, twice, box);
 }
 
 }  // namespace s2nnds
