@@ -17,8 +17,10 @@
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/export_format.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
+#include "s2nnds/runs/adaptation.h"
 #include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/evaluation_run.h"
+#include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/scene.h"
 #include "s2nnds/runs/summary.h"
 #include "s2nnds/runs/threads.h"
@@ -92,6 +94,12 @@ int exit_code(Method method, const PreparedRun& setup, const RunRecord& record) 
   return record.certificate.guarantee >= wanted ? kVerified : kNotVerified;
 }
 
+// The same of a motion that follows the demonstrations: what a training is for.
+int exit_code_of_training(const PreparedRun& setup, const RunRecord& record) {
+  return follows_demonstrations(record) ? exit_code(setup.config.verification.method, setup, record)
+                                        : kNotVerified;
+}
+
 std::string sibling(const std::string& run, const std::string& suffix) {
   return fs::path(run).replace_extension().string() + suffix;
 }
@@ -139,6 +147,7 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
       arguments.resume.empty() ? start_from_config(arguments, data) : start_from_run(arguments, data);
   TrainingHooks hooks;
   hooks.progress = print_round;
+  hooks.until_certified = arguments.until == "certified";
   hooks.checkpoint = [&](const RunRecord& record) { save_run(start.path, record); };
   spdlog::info("{}", frame_line(start.record));
   log_clearances(start.setup);
@@ -152,7 +161,34 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
   s2nnds::evaluate(start.setup, start.record);
   save_run(start.path, start.record);
   report(start.record, start.path, common);
-  return exit_code(start.setup.config.verification.method, start.setup, start.record);
+  return exit_code_of_training(start.setup, start.record);
+}
+
+int adapt(const AdaptArguments& arguments, const CommonArguments& common) {
+  need_libtorch(common);
+  set_threads(common.threads);
+  const RunRecord old = load_certified_run(arguments.run);
+  const std::string path = arguments.out.empty() ? sibling(arguments.run, "-adapted.h5") : arguments.out;
+  check_writable(path);
+  const AdaptationResult found = s2nnds::adapt(old, arguments.assignments, data_directory(common.data),
+                                               {.progress = print_round, .cancelled = {}});
+  save_run(path, found.record);
+  fmt::print("{}", first_screen(found.record, path));
+  const UserUnits units(found.record);
+  const char* words = found.outcome == Adaptation::held ? "the old networks are certified in the new scene"
+                      : found.outcome == Adaptation::adapted ? "trained on from the old networks"
+                      : found.outcome == Adaptation::anew    ? "trained from scratch"
+                                                             : "no certificate was found";
+  fmt::print("  {:<14}  {}, in {:.2f} s; the motion moved by at most {}\n", "adaptation", words,
+             found.seconds, units.length(found.motion_change));
+  if (common.json) {
+    ordered_json summary = ordered_json::parse(summary_json(found.record, path));
+    summary["adaptation"] = {{"outcome", to_string(found.outcome)},
+                             {"seconds", found.seconds},
+                             {"motion_change", found.motion_change}};
+    fmt::print("{}\n", summary.dump());
+  }
+  return found.outcome == Adaptation::failed ? kNotVerified : kVerified;
 }
 
 int verify(const VerifyArguments& arguments, const CommonArguments& common) {
@@ -200,7 +236,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
     if (!arguments.splits.empty()) summary["demonstrations"] = demonstrations;
     fmt::print("{}\n", summary.dump());
   }
-  return exit_code(setup.config.verification.method, setup, record);
+  return exit_code_of_training(setup, record);
 }
 
 int export_policy(const ExportArguments& arguments, const CommonArguments& common) {

@@ -28,8 +28,16 @@ struct TrainArguments {
   std::optional<std::int64_t> seed;
   std::string out;
   std::string resume;
+  std::string until = "finished";  // finished, certified
 };
 int train(const TrainArguments& arguments, const CommonArguments& common);
+
+struct AdaptArguments {
+  std::string run;
+  std::vector<std::string> assignments;  // --set key=value
+  std::string out;
+};
+int adapt(const AdaptArguments& arguments, const CommonArguments& common);
 
 struct VerifyArguments {
   std::string run;

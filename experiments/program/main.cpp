@@ -81,12 +81,24 @@ int run(int argc, char** argv) {
   sub->add_option("--seed", training.seed, "overrides the configuration's seed");
   sub->add_option("--out", training.out, "run file to write (default NAME-seedN.h5)");
   sub->add_option("--resume", training.resume, "go on from the last round of this run file");
+  sub->add_option(
+         "--until", training.until,
+         "certified: stop at the first certificate, --resume goes on from it; finished: all of training")
+      ->check(CLI::IsMember({"certified", "finished"}))
+      ->capture_default_str();
   sub->callback([&] {
     if (training.config.empty() == training.resume.empty()) {
       s2nnds::fail("train: expected either a configuration or --resume RUN.h5");
     }
     code = train(training, common);
   });
+
+  AdaptArguments adapting;
+  sub = command("adapt", "make a certified run for a scene that has changed");
+  sub->add_option("run", adapting.run, "certified run file")->required();
+  sub->add_option("--set", adapting.assignments, "key=value below problem., what has changed")->required();
+  sub->add_option("--out", adapting.out, "run file to write (default RUN-adapted.h5)");
+  sub->callback([&] { code = adapt(adapting, common); });
 
   VerifyArguments verification;
   sub = command("verify", "check the networks of a stored run");

@@ -20,7 +20,13 @@ std::string counterexamples(const RoundSummary& row) {
     text += fmt::format("{}{}={}", text.empty() ? "" : " ", to_string(all_conditions[q]), row.counts[q]);
   }
   if (text.empty()) text = "none";
-  const bool kept = row.counterexamples() == 0;
+  const bool kept = row.is_kept();
+  if (row.islands > 0)
+    text += fmt::format("; {{B > 0}} has {} island{}", row.islands, row.islands > 1 ? "s" : "");
+  if (row.equilibria > 0)
+    text += fmt::format("; f stands still at {} place{}", row.equilibria, row.equilibria > 1 ? "s" : "");
+  if (row.is_impossible()) text += ": no certificate can exist so";
+  if (row.clean() && !row.follows()) text += "; the motion does not follow the demonstrations";
   if (row.stage == Stage::imitation_finetune)
     text += kept ? " (f fine-tuned)" : " (f, V and B stay as they were)";
   if (row.stage == Stage::enlarge) text += kept ? " (B grew)" : " (B stays as it was)";

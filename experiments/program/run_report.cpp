@@ -177,6 +177,12 @@ Rows history_rows(const RunRecord& record) {
   return rows;
 }
 
+std::string remarks(const RunRecord& record) {
+  std::string text;
+  for (const std::string& remark : record.remarks) text += paragraph(remark);
+  return text;
+}
+
 }  // namespace
 
 std::string first_screen(const RunRecord& record, const std::string& path) {
@@ -184,7 +190,7 @@ std::string first_screen(const RunRecord& record, const std::string& path) {
   for (char& letter : guarantee) letter = static_cast<char>(std::toupper(letter));
   const RunData& data = record.data;
   return fmt::format("{} (seed {}): guarantee {}\n", record.name, record.seed, guarantee) +
-         paragraph(guarantee_sentence(record)) + "\n" +
+         paragraph(guarantee_sentence(record)) + remarks(record) + "\n" +
          row("data", fmt::format("{} demonstrations in {} dimensions: {} train, {} test, {} validation",
                                  data.demonstrations.size(), data.dimension, data.split.train.size(),
                                  data.split.test.size(), data.split.validation.size())) +

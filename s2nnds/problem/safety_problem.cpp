@@ -15,6 +15,10 @@
 namespace s2nnds {
 namespace {
 
+// Demonstrations whose first points lie farther apart than this (a share of the largest coordinate) start in places
+// of their own: one box around all would ask for motions from between them, where nothing was shown.
+constexpr double kStartGap = 0.25;
+
 // Where the user's coordinates and the normalised ones meet: sets come in as they are written, and places go
 // out into messages in the same unit and frame.
 class UserCoordinates {
@@ -144,6 +148,25 @@ void check_demonstrations_inside(const Box& workspace, const std::vector<Demonst
 std::vector<double> numbers(const Vector& x) { return {x.begin(), x.end()}; }
 
 // X0 with its place found in the demonstrations, where the options leave that open.
+// Starts [K, n] that belong together: those joined by gaps below kStartGap (single linkage).
+std::vector<Points> start_clusters(const Points& starts) {
+  std::vector<std::vector<Eigen::Index>> clusters;
+  for (Eigen::Index k = 0; k < starts.rows(); ++k) {
+    std::vector<Eigen::Index> joined = {k};
+    for (auto cluster = clusters.begin(); cluster != clusters.end();) {
+      const bool near = std::any_of(cluster->begin(), cluster->end(), [&](Eigen::Index other) {
+        return (starts.row(other) - starts.row(k)).norm() < kStartGap;
+      });
+      if (near) joined.insert(joined.end(), cluster->begin(), cluster->end());
+      cluster = near ? clusters.erase(cluster) : cluster + 1;
+    }
+    clusters.push_back(std::move(joined));
+  }
+  std::vector<Points> parts;
+  for (const auto& members : clusters) parts.emplace_back(starts(members, Eigen::all));
+  return parts;
+}
+
 RegionOptions find_initial(const ProblemOptions& options, const Points& starts, const UserCoordinates& user,
                            const Box& contained) {
   const std::string& type = options.initial.type;
@@ -156,10 +179,14 @@ RegionOptions find_initial(const ProblemOptions& options, const Points& starts, 
   if (type != "auto") return options.initial;
   const bool bounded = !options.bounds.lower.empty();
   const Box clip = bounded ? contained : Box::cube(starts.cols(), 1.0);
-  const Box grown{starts.colwise().minCoeff().transpose().array() - options.padding,
-                  starts.colwise().maxCoeff().transpose().array() + options.padding};
-  const Box box = user.outside(grown).intersection(user.inside(clip));
-  return {.type = "box", .lower = numbers(box.lower), .upper = numbers(box.upper)};
+  RegionOptions all{.type = "union"};
+  for (const Points& near : start_clusters(starts)) {
+    const Box grown{near.colwise().minCoeff().transpose().array() - options.padding,
+                    near.colwise().maxCoeff().transpose().array() + options.padding};
+    const Box box = user.outside(grown).intersection(user.inside(clip));
+    all.of.push_back({.type = "box", .lower = numbers(box.lower), .upper = numbers(box.upper)});
+  }
+  return all.of.size() == 1 ? all.of.front() : all;
 }
 
 // A point that both regions hold within the box, if one is found.

@@ -49,7 +49,7 @@ struct ProblemOptions {
   // >= 0: X0 of type "auto" is grown by this on every side, as a share of the largest coordinate.
   double padding = 0.02;
   // "auto": the box around the demonstrations' first points, grown by `padding`, no larger than the largest
-  // coordinate; "ball_auto": the ball of `radius` around their mean; or any region.
+  // coordinate; a box for each group of them where groups lie a quarter of that apart; "ball_auto": the ball of `radius` around their mean; or any region.
   RegionOptions initial = {.type = "auto"};
   RegionOptions unsafe = {};  // Xu: any region; "none": no obstacle
 

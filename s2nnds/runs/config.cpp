@@ -17,6 +17,7 @@ void VerificationOptions::visit(FieldVisitor& v) {
 
 void EvaluationOptions::visit(FieldVisitor& v) {
   v.group("rollout", rollout);
+  v.field("fidelity", fidelity, above(0.0));
   v.field("area_cells", area_cells, between(0, 2000));
   v.field("grid_points", grid_points, between(3, 1001));
 }

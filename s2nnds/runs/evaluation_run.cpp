@@ -6,6 +6,7 @@
 #include "s2nnds/core/stopwatch.h"
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
+#include "s2nnds/runs/motion_report.h"
 
 namespace s2nnds {
 namespace {
@@ -56,8 +57,7 @@ std::vector<StoredRollout> make_rollouts(const PreparedRun& setup, const Network
 
 }  // namespace
 
-void evaluate(const PreparedRun& setup, RunRecord& record) {
-  const Stopwatch watch;
+void evaluate_motion(const PreparedRun& setup, RunRecord& record) {
   const Networks& networks = record.networks;
   const RolloutOptions& rollout = setup.config.evaluation.rollout;
   const MotionErrors train_errors = motion_errors(networks.f, setup.train(), rollout);
@@ -75,15 +75,28 @@ void evaluate(const PreparedRun& setup, RunRecord& record) {
   if (!setup.data.split.validation.empty()) {
     summary.mse_validation = motion_errors(networks.f, setup.validation(), rollout).mse;
   }
-  const SafeArea area = measure_safe_area(networks.f, networks.B, setup.problem,
-                                          static_cast<int>(setup.config.evaluation.area_cells));
-  summary.safe_area = area.safe_area;
-  summary.true_safe_area = area.true_safe_area;
-  summary.safe_area_ratio = area.ratio();
+  const std::vector<Deviation> from_shown = deviations_of(setup, networks.f);
+  summary.deviation_mean = summary.deviation_largest = summary.not_followed = 0.0;
+  for (const Deviation& each : from_shown) {
+    summary.deviation_mean = std::max(summary.deviation_mean, each.mean);
+    summary.deviation_largest = std::max(summary.deviation_largest, each.largest);
+    summary.not_followed += each.follows() ? 0.0 : 1.0;
+  }
   record.evaluation = summary;
+  record.remarks = motion_remarks(setup, record, from_shown);
   record.rollouts = make_rollouts(setup, networks.f);
   record.grid.reset();
   if (setup.problem.dimension() <= 3) record.grid = make_grid(setup, networks);
+}
+
+void evaluate(const PreparedRun& setup, RunRecord& record) {
+  const Stopwatch watch;
+  evaluate_motion(setup, record);
+  const SafeArea area = measure_safe_area(record.networks.f, record.networks.B, setup.problem,
+                                          static_cast<int>(setup.config.evaluation.area_cells));
+  record.evaluation.safe_area = area.safe_area;
+  record.evaluation.true_safe_area = area.true_safe_area;
+  record.evaluation.safe_area_ratio = area.ratio();
   record.timing.evaluation = watch.seconds();
 }
 

@@ -9,4 +9,7 @@ namespace s2nnds {
 // `grid` (n <= 3) and `timing.evaluation`, for its networks.
 void evaluate(const PreparedRun& setup, RunRecord& record);
 
+// The same without the safe areas, which take most of the time and stay unmeasured.
+void evaluate_motion(const PreparedRun& setup, RunRecord& record);
+
 }  // namespace s2nnds

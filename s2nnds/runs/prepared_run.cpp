@@ -5,8 +5,6 @@
 
 namespace s2nnds {
 
-namespace {
-
 PreparedRun prepare(Config config, RunData data, RegionFiles files) {
   PreparedRun setup{.config = std::move(config),
                     .data = std::move(data),
@@ -17,8 +15,6 @@ PreparedRun prepare(Config config, RunData data, RegionFiles files) {
   setup.problem = make_problem(setup.config.problem, setup.demonstrations, setup.data.frame, setup.files);
   return setup;
 }
-
-}  // namespace
 
 PreparedRun prepare(const Config& config, const std::string& data_dir, const ReadingProgress& progress) {
   DemonstrationSet as_read = read_demonstrations(config.data, data_dir, progress);
@@ -46,9 +42,12 @@ RunRecord new_record(const PreparedRun& setup, const std::string& text) {
   record.seed = setup.config.seed;
   record.config = {text, to_toml(setup.config), flatten(setup.config)};
   record.data = setup.data;
-  record.problem = {setup.config.problem.frame,        setup.problem.unsafe->describe(),
-                    setup.problem.initial->describe(), setup.config.problem.containment,
-                    setup.config.training.level_band,  setup.problem.workspace,
+  record.problem = {setup.config.problem.frame,
+                    setup.problem.unsafe->describe(),
+                    setup.problem.initial->describe(),
+                    setup.config.problem.containment,
+                    setup.config.training.level_band,
+                    setup.problem.workspace,
                     setup.files.all()};
   return record;
 }

@@ -346,6 +346,9 @@ void EvaluationSummary::visit(FieldVisitor& v) {
   v.field("dtw_train", dtw_train, any_number());
   v.field("dtw_test", dtw_test, any_number());
   v.field("dtw_independent_test", dtw_independent_test, any_number());
+  v.field("deviation_mean", deviation_mean, any_number());
+  v.field("deviation_largest", deviation_largest, any_number());
+  v.field("not_followed", not_followed, any_number());
   v.field("safe_area", safe_area, any_number());
   v.field("true_safe_area", true_safe_area, any_number());
   v.field("safe_area_ratio", safe_area_ratio, any_number());
@@ -419,6 +422,7 @@ void save_run(const std::string& path, const RunRecord& record) {
   for (const auto& [name, corners] : record.open_boxes)
     file.write("/certificate/open_boxes/" + name, corners);
   write_fields(file, "/evaluation", record.evaluation);
+  if (!record.remarks.empty()) file.write("/remarks", record.remarks);
   write_fields(file, "/timing", record.timing);
   write(file, record.rollouts);
   if (record.grid) write(file, *record.grid);
@@ -449,6 +453,7 @@ RunRecord load_run(const std::string& path) {
     }
   }
   record.evaluation = read_fields<EvaluationSummary>(file, "/evaluation");
+  if (file.exists("/remarks")) record.remarks = file.read_texts("/remarks");
   record.timing = read_fields<RunTiming>(file, "/timing");
   record.rollouts = read_rollouts(file);
   if (file.exists("/grid")) record.grid = read_grid(file, record.data.dimension);

@@ -68,9 +68,14 @@ struct EvaluationSummary {
   double dtw_train = not_measured;
   double dtw_test = not_measured;              // the same, to test demonstrations
   double dtw_independent_test = not_measured;  // dtw_independent instead: each axis warped by itself, a sum
-  double safe_area = not_measured;             // of {B <= 0} within X; volume in 3-D
-  double true_safe_area = not_measured;        // of the starts whose rollout is safe and reaches the goal
-  double safe_area_ratio = not_measured;       // safe_area / true_safe_area
+  // Over the training demonstrations (fidelity.h): the largest mean distance of a motion from its own, the largest
+  // distance at all, and how many count as not followed.
+  double deviation_mean = not_measured;
+  double deviation_largest = not_measured;
+  double not_followed = not_measured;
+  double safe_area = not_measured;        // of {B <= 0} within X; volume in 3-D
+  double true_safe_area = not_measured;   // of the starts whose rollout is safe and reaches the goal
+  double safe_area_ratio = not_measured;  // safe_area / true_safe_area
 
   void visit(FieldVisitor& v);  // names each field once
 };
@@ -134,6 +139,7 @@ struct RunRecord {
   // By condition, [k, 2n] lower then upper corner: boxes that were not proved.
   std::vector<std::pair<std::string, Points>> open_boxes;
   EvaluationSummary evaluation;          // figures of the motion's quality
+  std::vector<std::string> remarks;      // on the motion, a sentence each (motion_report.h)
   RunTiming timing;                      // seconds of each step
   std::vector<StoredRollout> rollouts;   // for figures
   std::optional<Grid> grid;              // for figures; none in more than three dimensions

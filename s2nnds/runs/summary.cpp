@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/threads.h"
 
 namespace s2nnds {
@@ -61,6 +62,8 @@ ordered_json in_unit(const RunRecord& record) {
                        {"velocity_rms_test", real(frame.velocity_scale * std::sqrt(e.mse_test))},
                        {"dtw_train", real(frame.position_scale * e.dtw_train)},
                        {"dtw_test", real(frame.position_scale * e.dtw_test)},
+                       {"deviation_mean", real(frame.position_scale * e.deviation_mean)},
+                       {"deviation_largest", real(frame.position_scale * e.deviation_largest)},
                        {"safe_area", real(volume * e.safe_area)},
                        {"disturbance_margin", real(frame.velocity_scale * certificate.disturbance_margin)},
                        {"convergence_radius", real(frame.position_scale * certificate.convergence_radius)},
@@ -97,6 +100,8 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   json["disturbance_margin"] = real(certificate.disturbance_margin);
   json["convergence_radius"] = real(certificate.convergence_radius);
   json["float32_error"] = real(certificate.float32_error);
+  json["follows"] = follows_demonstrations(record);
+  json["remarks"] = record.remarks;
   json["problem"] = {{"frame", record.problem.frame},
                      {"unsafe", record.problem.unsafe},
                      {"initial", record.problem.initial}};

@@ -38,6 +38,9 @@ std::vector<Column> columns() {
   all.push_back(column("found_by_sampling", &RoundSummary::found_by_sampling));
   all.push_back(column("pool", &RoundSummary::pool));
   all.push_back(column("safe_share", &RoundSummary::safe_share));
+  all.push_back(column("deviation", &RoundSummary::deviation));
+  all.push_back(column("islands", &RoundSummary::islands));
+  all.push_back(column("equilibria", &RoundSummary::equilibria));
   all.push_back(column("stage", &RoundSummary::stage));
   all.push_back(column("seconds", &RoundSummary::seconds));
   return all;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/runs/training_run.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "s2nnds/evaluation/topology.h"
 #include "s2nnds/runs/disturbance_falsifier.h"
+#include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/proof_source.h"
 #include "s2nnds/runs/training_checkpoint.h"
 #include "s2nnds/training/falsifier.h"
@@ -13,10 +16,12 @@ namespace s2nnds {
 TrainerSummary train(const PreparedRun& setup, RunRecord& record, const TrainingHooks& hooks) {
   const Config& config = setup.config;
   Trainer trainer(setup.problem, setup.train(), config.networks, config.training, config.seed);
-  const FalsifierOptions search{config.training.samples};
+  // The prover sees all that samples can miss.
+  const bool proves = config.verification.method == Method::proof;
+  const FalsifierOptions search{std::max<std::int64_t>(1, config.training.samples / (proves ? 10 : 1))};
   trainer.add_source(std::make_shared<RandomFalsifier>(setup.problem, search));
   trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
-  if (config.verification.method == Method::proof) {
+  if (proves) {
     ProofOptions quick = ProofOptions::fail_fast();
     if (setup.problem.dimension() > 2)
       quick.max_boxes = quick.max_after_refuted = config.verification.proof.max_boxes;
@@ -26,18 +31,27 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
   trainer.set_rollout_labels([&](const NetworkWeights& f, const Points& starts) {
     return rollout_is_safe(f, setup.problem, starts);
   });
+  trainer.set_look([&](const Networks& networks, RoundSummary& row) {
+    if (row.clean()) row.deviation = worst_share(deviations_of(setup, networks.f));
+    if (row.stage != Stage::search || row.clean()) return;
+    const Topology topology = find_topology(networks.f, networks.B, setup.problem);
+    row.islands = std::ssize(topology.islands);
+    row.equilibria = std::ssize(topology.equilibria);
+  });
   if (record.checkpoint) trainer.restore(to_trainer_state(record));
   trainer.on_round([&](const RoundSummary& row, const Trainer& current) {
     store_trainer_state(current.state(), record);
     // All rounds after it keep what was clean. Where the prover is a source, everything is proved from here on.
-    if (row.clean() && row.stage == Stage::search && row.round >= config.training.min_rounds)
-      record.timing.first_clean_round = row.seconds;
+    const bool certified =
+        row.is_kept() && row.stage == Stage::search && row.round >= config.training.min_rounds;
+    if (certified) record.timing.first_clean_round = row.seconds;
     if (hooks.progress) hooks.progress(row);
     if (hooks.checkpoint) hooks.checkpoint(record);
-    return std::isfinite(row.loss);
+    if (hooks.cancelled && hooks.cancelled()) return false;
+    return std::isfinite(row.loss) && !(certified && hooks.until_certified);
   });
   const TrainerSummary summary = trainer.run();
-  record.checkpoint->finished = true;
+  record.checkpoint->finished = !(summary.stopped && hooks.until_certified);
   record.timing.training = summary.seconds;
   record.certificate = {};
   record.certificate.weight_hash = weight_hash(record.networks);

@@ -12,6 +12,9 @@ namespace s2nnds {
 struct TrainingHooks {
   std::function<void(const RoundSummary&)> progress;  // after the warm start and every round
   std::function<void(const RunRecord&)> checkpoint;   // the record so far, at the same moments
+  std::function<bool()> cancelled;                    // asked after every round; true stops
+  bool until_certified =
+      false;  // stop at the first certificate; train() goes on from there when called again
 };
 
 // Trains from where the record's checkpoint stands (from the start if it has none) and fills in networks,

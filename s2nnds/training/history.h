@@ -28,8 +28,13 @@ struct RoundSummary {
   std::int64_t found_by_sampling = 0;                  // of these, by sources that sample uniformly
   std::int64_t pool = 0;                               // counterexamples kept for training
   double safe_share = 0.0;                             // of the label points, those with safe rollouts
-  Stage stage = Stage::search;                         // what the round was for
-  double seconds = 0.0;                                // of training since its start, interruptions left out
+  // How far the motions are from the demonstrations, as a share of what is allowed, and what no certificate can
+  // have (evaluation/topology.h). Looked for where there is a RoundLook, deviation after clean rounds only.
+  double deviation = 0.0;
+  std::int64_t islands = 0;     // parts of {B > 0} that do not reach the edge
+  std::int64_t equilibria = 0;  // of f, other than the goal
+  Stage stage = Stage::search;  // what the round was for
+  double seconds = 0.0;         // of training since its start, interruptions left out
 
   // The sum of `counts`.
   std::int64_t counterexamples() const {
@@ -37,6 +42,9 @@ struct RoundSummary {
   }
   // Whether it was a round of joint training after which no source found a counterexample.
   bool clean() const { return round > 0 && counterexamples() == 0; }
+  bool follows() const { return deviation <= 1.0; }                     // NaN does not
+  bool is_kept() const { return clean() && follows(); }                 // what later stages keep
+  bool is_impossible() const { return islands > 0 || equilibria > 0; }  // as a certificate's topology
 };
 
 }  // namespace s2nnds

@@ -21,6 +21,11 @@ constexpr double kLeastRate = 0.05;
 // obstacle on the other side than the demonstrations.
 constexpr double kRelaxedImitation = 0.5;
 constexpr double kRelaxedRollouts = 0.3;
+// After a certificate of a motion that does not follow the demonstrations; so many are tried.
+constexpr double kMoreImitation = 3.0;
+constexpr std::int64_t kUnfaithfulRounds = 3;
+// So many rounds in a row whose f and B no certificate can have: training does not leave such a shape.
+constexpr std::int64_t kImpossibleRounds = 4;
 
 // A round is nearly clean with fewer counterexamples than this, or if random search found none of them. The
 // next one refines: its rates are lower, so that what holds already stays, and the weights of what presses {B
@@ -35,6 +40,8 @@ constexpr std::int64_t kRefiningRounds = 4;
 
 constexpr double kFinetunedImitation = 10.0;  // at first; see careful()
 constexpr double kFinetunedRate = 0.3;        // what is certified must stay nearly as it is
+
+constexpr std::int64_t kRepairs = 2;  // what f moved by little, B alone can follow
 
 constexpr double kEnlargedRollouts = 4.0;  // at first; see careful()
 constexpr double kEnlargedMargins = 2.0;   // of the conditions on B, which its growth must not break
@@ -73,22 +80,59 @@ double careful(const History& history, Stage stage, double first) {
   return factor;
 }
 
+// Why a round of the search starts anew.
+struct Restarts {
+  std::int64_t age = 0;          // rounds since the last one
+  std::int64_t by_age = 0;       // after rate_period rounds
+  std::int64_t by_shape = 0;     // what B and f had become no certificate can have
+  std::int64_t by_fidelity = 0;  // a certificate, but of another motion than the demonstrations'
+};
+
+Restarts restarts_of(const History& history, const TrainerOptions& options) {
+  Restarts found;
+  std::int64_t impossible = 0;
+  for (const RoundSummary& row : history) {
+    if (row.round == 0) continue;
+    ++found.age;
+    impossible = row.is_impossible() && row.round >= options.min_rounds ? impossible + 1 : 0;
+    std::int64_t* reason = nullptr;
+    if (row.clean() && !row.follows()) {
+      reason = &found.by_fidelity;
+    } else if (options.rate_period > 0 && impossible >= kImpossibleRounds) {
+      reason = &found.by_shape;
+    } else if (options.rate_period > 0 && found.age >= options.rate_period) {
+      reason = &found.by_age;
+    }
+    if (!reason) continue;
+    ++*reason;
+    found.age = impossible = 0;
+  }
+  return found;
+}
+
 RoundPlan search_plan(const History& history, const TrainerOptions& options) {
-  const std::int64_t round = history.back().round;  // from 0
-  const std::int64_t period =
-      options.rate_period > 0 ? options.rate_period : std::numeric_limits<std::int64_t>::max();
-  const auto age = static_cast<double>(round % period), restarts = static_cast<double>(round / period);
-  RoundPlan plan = {.rate = std::max(kLeastRate, std::pow(options.rate_decay, age)), .loss = options.loss};
+  const Restarts restarts = restarts_of(history, options);
+  const std::int64_t all = restarts.by_age + restarts.by_shape + restarts.by_fidelity;
+  RoundPlan plan = {.rate = std::max(kLeastRate, std::pow(options.rate_decay, restarts.age)),
+                    .loss = options.loss};
   PerTerm<double>& weight = plan.loss.weight;
-  plan.starts_anew = restarts > 0.0 && age == 0.0;
+  plan.starts_anew = all > 0 && restarts.age == 0;
   plan.backtracks = options.backtrack && weight[LossTerm::barrier_decrease] > 0.0;  // else B is no barrier
   const auto press_less = [&](double factor, double times) {
     weight[LossTerm::rollout_safety] *= std::pow(factor, times);
     weight[LossTerm::obstacle_normal] *= std::pow(factor, times);
   };
+  weight[LossTerm::imitation] *= std::pow(kMoreImitation, restarts.by_fidelity);
+  // f that points outwards all around an obstacle has an equilibrium in it.
+  if (all % 2 == 1) weight[LossTerm::obstacle_normal] = 0.0;
   if (options.relax_weights) {
-    weight[LossTerm::imitation] *= std::pow(kRelaxedImitation, restarts);
-    press_less(kRelaxedRollouts, restarts);
+    weight[LossTerm::imitation] *= std::pow(kRelaxedImitation, restarts.by_age);
+    press_less(kRelaxedRollouts, static_cast<double>(restarts.by_age));
+  }
+  if (all == 0 && std::ssize(history) <= options.barrier_rounds) {
+    plan.only_barrier = true;
+    weight[LossTerm::imitation] = weight[LossTerm::lyapunov] = weight[LossTerm::obstacle_normal] = 0.0;
+    return plan;
   }
   plan.refining = plan.starts_anew ? 0 : refining_round(history, options);
   if (plan.refining == 0) return plan;
@@ -101,6 +145,7 @@ RoundPlan search_plan(const History& history, const TrainerOptions& options) {
 RoundPlan imitation_finetune_plan(const History& history, const TrainerOptions& options) {
   RoundPlan plan = {.stage = Stage::imitation_finetune,
                     .undone_unless_clean = true,
+                    .repairs = kRepairs,
                     .rate = kFinetunedRate,
                     .loss = options.loss};
   plan.loss.weight[LossTerm::imitation] *= careful(history, Stage::imitation_finetune, kFinetunedImitation);
@@ -122,6 +167,10 @@ RoundPlan enlarge_plan(const History& history, const TrainerOptions& options) {
   return plan;
 }
 
+std::int64_t count_of(const RoundSummary& row, Condition condition) {
+  return row.counts[static_cast<std::size_t>(condition)];
+}
+
 RoundPlan stage_plan(const History& history, const TrainerOptions& options) {
   if (!has_clean_round(history, options)) {
     if (history.back().round >= options.rounds) return {.finished = true};
@@ -137,9 +186,26 @@ RoundPlan stage_plan(const History& history, const TrainerOptions& options) {
 
 }  // namespace
 
+RoundPlan repair_plan(const RoundPlan& round, const TrainerOptions& options) {
+  RoundPlan plan = enlarge_plan({RoundSummary{}}, options);
+  plan.stage = round.stage;
+  plan.undone_unless_clean = round.undone_unless_clean;
+  plan.loss.weight[LossTerm::rollout_safety] = round.loss.weight[LossTerm::rollout_safety];
+  return plan;
+}
+
+bool is_repairable(const RoundSummary& row) {
+  return !row.clean() && row.counterexamples() < kNearlyClean &&
+         count_of(row, Condition::lyapunov_positive) + count_of(row, Condition::lyapunov_decrease) == 0;
+}
+
 bool has_clean_round(const History& history, const TrainerOptions& options) {
-  return std::any_of(history.begin(), history.end(),
-                     [&](const RoundSummary& row) { return row.round >= options.min_rounds && row.clean(); });
+  std::int64_t unfaithful = 0;
+  for (const RoundSummary& row : history) {
+    if (row.round < options.min_rounds || !row.clean()) continue;
+    if (row.follows() || ++unfaithful == kUnfaithfulRounds) return true;
+  }
+  return false;
 }
 
 RoundPlan plan(const History& history, const TrainerOptions& options) {

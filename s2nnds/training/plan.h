@@ -11,23 +11,26 @@ namespace s2nnds {
 
 // What the next round of training does.
 struct RoundPlan {
-  bool finished = false;             // there is no next round; the rest means nothing then
-  Stage stage = Stage::search;       // what the round is for
-  std::int64_t refining = 0;         // place in a row of rounds that refine, from 1; 0: does not refine
-  bool starts_anew = false;          // the rates are back at their full height, and B is drawn anew
-  bool labels_rollouts = false;      // fresh points are labelled by their rollouts first
-  bool backtracks = false;           // motions that violate a condition are followed back first
-  bool only_barrier = false;         // f and V stay as they are
+  bool finished = false;         // there is no next round; the rest means nothing then
+  Stage stage = Stage::search;   // what the round is for
+  std::int64_t refining = 0;     // place in a row of rounds that refine, from 1; 0: does not refine
+  bool starts_anew = false;      // from the warm start's f, V and B drawn anew, rates at their full height
+  bool labels_rollouts = false;  // fresh points are labelled by their rollouts first
+  bool backtracks = false;       // motions that violate a condition are followed back first
+  bool only_barrier = false;     // f and V stay as they are
   bool undone_unless_clean = false;  // networks that do not end clean give way to those from before
+  std::int64_t repairs = 0;          // times that B alone is trained on what was found, before it is judged
   double rate = 1.0;                 // factor of all rates
   LossOptions loss = {};             // with the weights of this round
 };
 
 // The schedule of training, from the rounds so far (history[k].round == k, the warm start first) and the
 // options alone:
-// - search, until a round of at least min_rounds ends clean, or `rounds` have ended. Rates fall from round to
-//   round. Every rate_period rounds they start anew, and weights are relaxed. A round after one that was
-//   nearly clean refines.
+// - search, until a round of at least min_rounds ends clean and its motions follow the demonstrations (after three
+//   clean ones whose motions do not, without that), or `rounds` have ended. Rates fall from round to round. It
+//   starts anew every rate_period rounds, with relaxed weights; after four rounds in a row that no certificate can have;
+//   and after a clean round of another motion, with more weight on the demonstrations. Every second start does not
+//   push f outwards at the obstacle. A round after one that was nearly clean refines.
 // - imitation_finetune: all three networks are trained with more weight on the demonstrations, so that f
 //   comes nearer to what it would be without conditions.
 // - enlarge: B alone is trained, and rollout_safety weighs more, so that the safe set grows.
@@ -35,7 +38,14 @@ struct RoundPlan {
 // more careful. Throws Error if the history is empty.
 RoundPlan plan(const std::vector<RoundSummary>& history, const TrainerOptions& options);
 
-// Whether a round of at least min_rounds ended clean. All later ones keep it so.
+// What follows a round that ended nearly clean but for conditions on B, as often as its `repairs` say: B alone
+// is trained for half as many steps on what was found.
+RoundPlan repair_plan(const RoundPlan& round, const TrainerOptions& options);
+
+// Whether few enough counterexamples are left, all of conditions on B alone, for a repair.
+bool is_repairable(const RoundSummary& row);
+
+// Whether the search has ended with a clean round. All later ones keep it so.
 bool has_clean_round(const std::vector<RoundSummary>& history, const TrainerOptions& options);
 
 }  // namespace s2nnds

@@ -38,6 +38,9 @@ constexpr double kRateAtEnd = 0.05;
 // gradient's size and move every weight by the whole rate.
 constexpr std::int64_t kRateRise = 50;
 
+// Of the change of a round that did not end clean, what is tried instead.
+constexpr double kParts[] = {0.5, 0.25};
+
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -54,6 +57,19 @@ double annealed(std::int64_t step, std::int64_t steps) {
   const double fall = 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
   const double rise = std::min(1.0, static_cast<double>(step + 1) / static_cast<double>(kRateRise));
   return rise * (kRateAtEnd + (1.0 - kRateAtEnd) * fall);
+}
+
+NetworkWeights between(NetworkWeights a, const NetworkWeights& b, double part) {
+  for (std::size_t k = 0; k < a.layers.size(); ++k) {
+    a.layers[k].weight += part * (b.layers[k].weight - a.layers[k].weight);
+    if (a.layers[k].bias.size() > 0) a.layers[k].bias += part * (b.layers[k].bias - a.layers[k].bias);
+  }
+  return a;
+}
+
+// The networks whose weights lie between those of a (part 0) and b (part 1).
+Networks between(const Networks& a, const Networks& b, double part) {
+  return {between(a.f, b.f, part), between(a.V, b.V, part), between(a.B, b.B, part)};
 }
 
 // The optimisers of a round. Each round starts afresh, so that a checkpoint needs no optimiser state.
@@ -119,7 +135,14 @@ class Trainer::Impl {
       RoundSummary row = train_round(next);
       choose_level(row.round);
       search(row);
-      if (next.undone_unless_clean && !row.clean()) set_networks(before);
+      for (std::int64_t k = 1; k <= next.repairs && is_repairable(row); ++k) repair(row, next, k);
+      if (next.undone_unless_clean && !row.is_kept()) {
+        if (next.only_barrier) {
+          set_networks(before);
+        } else {
+          go_back_towards(before, row);
+        }
+      }
       row.seconds = seconds();
       summary.stopped = !report(row, owner);
     }
@@ -147,6 +170,7 @@ class Trainer::Impl {
 
   std::vector<std::shared_ptr<CounterexampleSource>> sources;
   RolloutLabels labels;
+  RoundLook look;
   std::function<bool(const RoundSummary&, const Trainer&)> callback;
 
  private:
@@ -186,7 +210,16 @@ class Trainer::Impl {
     row.stage = now.stage;
     if (now.labels_rollouts) label(row);
     seek_backtracked(now);
-    if (now.starts_anew) redraw_barrier(round);
+    if (now.starts_anew) start_anew(round);
+    descend(row, now, now.only_barrier ? options_.enlarge_steps : options_.steps, 0);
+    const double weight = now.loss.weight[LossTerm::imitation];
+    row.mse = weight > 0.0 ? row.loss_terms[LossTerm::imitation] / weight : history_.back().mse;
+    return row;
+  }
+
+  // The steps of a round, or of its k-th repair. Adds their mean losses to the row.
+  void descend(RoundSummary& row, const RoundPlan& now, std::int64_t steps, std::int64_t repair) {
+    const std::int64_t round = row.round + (repair << 32);
     Descent descent(modules_, options_, now.only_barrier);
     JointLoss loss(modules_, loss_table(now.loss), now.loss, engine_from(options_.engine),
                    now.only_barrier ? Trains::barrier : Trains::all);
@@ -195,7 +228,7 @@ class Trainer::Impl {
     const auto draw = [&] { return transform<torch::Tensor>(sampler_.draw(random), tensor); };
     BatchTensors batch, next;
     SideTask drawing;  // of the next step's batch, while a step runs
-    for (std::int64_t step = 0; step < options_.steps; ++step) {
+    for (std::int64_t step = 0; step < steps; ++step) {
       if (seeks_band(step)) {
         seek_band(candidates);
         batch = draw();
@@ -203,21 +236,48 @@ class Trainer::Impl {
         drawing.wait();
         batch = std::move(next);
       }
-      if (step + 1 < options_.steps && !seeks_band(step + 1)) drawing.start([&] { next = draw(); });
+      if (step + 1 < steps && !seeks_band(step + 1)) drawing.start([&] { next = draw(); });
       const LossValue value = loss(batch);
-      descent.step(value.total, now.rate * annealed(step, options_.steps));
-      const double share = 1.0 / static_cast<double>(options_.steps);
+      descent.step(value.total, now.rate * annealed(step, steps));
+      if (repair > 0) continue;
+      const double share = 1.0 / static_cast<double>(steps);
       row.loss += share * value.total.item<double>();
       for (const LossTerm term : all_loss_terms) row.loss_terms[term] += share * value.terms[term];
     }
-    const double weight = now.loss.weight[LossTerm::imitation];
-    row.mse = weight > 0.0 ? row.loss_terms[LossTerm::imitation] / weight : history_.back().mse;
-    return row;
   }
 
-  void redraw_barrier(std::int64_t round) {
-    RandomStream start(seed_, "start/B", round);
-    modules_.B = Barrier(problem_.dimension(), network_options_.B, start);
+  // B alone is trained on what the search after the round found, and the search made anew.
+  void repair(RoundSummary& row, const RoundPlan& round, std::int64_t k) {
+    descend(row, repair_plan(round, options_), std::max<std::int64_t>(1, options_.steps / 2), k);
+    choose_level(row.round + (k << 32));
+    search_anew(row);
+  }
+
+  // Of the way from `before` to what the round made, the largest part that ends clean: a half, a quarter, none.
+  void go_back_towards(const Networks& before, RoundSummary& row) {
+    const Networks after = networks();
+    const RoundSummary whole = row;
+    for (const double part : kParts) {
+      set_networks(between(before, after, part));
+      search_anew(row);
+      if (row.is_kept()) return;
+    }
+    set_networks(before);
+    row = whole;
+  }
+
+  void search_anew(RoundSummary& row) {
+    row.counts = {};
+    row.found_by_sampling = 0;
+    search(row);
+  }
+
+  // f as after the warm start, V and B drawn anew: low rates do not change a bad shape.
+  void start_anew(std::int64_t round) {
+    RandomStream start_v(seed_, "start/V", round), start_b(seed_, "start/B", round);
+    warm_up();
+    modules_.V = Lyapunov(problem_.dimension(), network_options_.V, start_v);
+    modules_.B = Barrier(problem_.dimension(), network_options_.B, start_b);
   }
 
   // Rollout labels of fresh points under the f that the round starts with.
@@ -274,6 +334,7 @@ class Trainer::Impl {
       for (std::size_t q = 0; q < row.counts.size(); ++q) row.counts[q] += found.counts[q];
       sampler_.add(found);
     }
+    if (look) look(current, row);
     const CounterexamplePools& pools = sampler_.pools();
     row.pool = pools.workspace.rows() + pools.initial.rows() + pools.unsafe.rows();
   }
@@ -299,6 +360,7 @@ Trainer::Trainer(Trainer&&) noexcept = default;
 void Trainer::add_source(std::shared_ptr<CounterexampleSource> source) {
   impl_->sources.push_back(std::move(source));
 }
+void Trainer::set_look(RoundLook look) { impl_->look = std::move(look); }
 void Trainer::set_rollout_labels(RolloutLabels labels) { impl_->labels = std::move(labels); }
 void Trainer::on_round(std::function<bool(const RoundSummary&, const Trainer&)> callback) {
   impl_->callback = std::move(callback);

@@ -36,6 +36,10 @@ struct TrainerSummary {
 // Labels starts [N, n] by their rollouts under f: true where safe and reaching the goal.
 using RolloutLabels = std::function<std::vector<bool>(const NetworkWeights& f, const Points& starts)>;
 
+// What is looked at after a round besides counterexamples: fills in deviation (where the round was clean), islands
+// and equilibria.
+using RoundLook = std::function<void(const Networks& networks, RoundSummary& row)>;
+
 // The counterexample-guided loop (the paper's Algorithm 2): warm start of f, then rounds of joint training of
 // f, V and B as plan.h says, each followed by a search for counterexamples.
 class Trainer {
@@ -50,6 +54,8 @@ class Trainer {
   void add_source(std::shared_ptr<CounterexampleSource> source);
   // Sets what labels TrainerOptions::rollout_points.
   void set_rollout_labels(RolloutLabels labels);
+  // Sets what looks at the motion's fidelity and topology.
+  void set_look(RoundLook look);
   // Called after the warm start (round 0) and after every round; return false to stop.
   void on_round(std::function<bool(const RoundSummary&, const Trainer&)> callback);
 

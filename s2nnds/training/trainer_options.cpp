@@ -46,12 +46,14 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("rate_certificates", rate_certificates, above(0.0));
   v.field("rate_decay", rate_decay, {.low = 0.0, .high = 1.0, .open_low = true});
   v.field("rate_period", rate_period, at_least(0));
+  v.field("barrier_rounds", barrier_rounds, at_least(0));
   v.field("relax_weights", relax_weights);
   v.field("refine", refine);
   v.field("backtrack", backtrack);
   v.field("max_level_shift", max_level_shift, at_least(0.0));
   v.field("imitation_finetune_rounds", imitation_finetune_rounds, at_least(0));
   v.field("enlarge_rounds", enlarge_rounds, at_least(0));
+  v.field("enlarge_steps", enlarge_steps, at_least(1));
   v.field("weight_decay", weight_decay, at_least(0.0));
   v.field("rollout_points", rollout_points, at_least(0));
   v.field("smoothing", smoothing, between(0.0, 1.0));
@@ -66,6 +68,8 @@ void TrainerOptions::visit(FieldVisitor& v) {
 TrainerOptions paper_training() {
   TrainerOptions options;
   options.rollout_points = 0;
+  options.min_rounds = 5;
+  options.steps = 500;
   options.refine = options.backtrack = options.relax_weights = false;
   options.imitation_finetune_rounds = options.enlarge_rounds = options.rate_period = 0;
   options.rate_certificates = 3e-3;
@@ -78,6 +82,7 @@ TrainerOptions paper_training() {
                   .margin_unsafe = 0.01,
                   .margin_barrier_decrease = 0.0,
                   .leak = 0.01};
+  options.batch.demonstrations = options.batch.workspace = 512;
   options.batch.initial = options.batch.unsafe = 64;
   options.batch.share_band = options.batch.share_goal = 0.0;
   return options;
@@ -85,7 +90,9 @@ TrainerOptions paper_training() {
 
 TrainerOptions imitation_training() {
   TrainerOptions options;
-  options.rounds = options.min_rounds;
+  options.rounds = options.min_rounds = 5;
+  options.steps = 500;
+  options.batch.demonstrations = 512;
   options.rollout_points = 0;
   options.refine = false;
   options.imitation_finetune_rounds = options.enlarge_rounds = 0;

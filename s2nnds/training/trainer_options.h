@@ -11,7 +11,7 @@ namespace s2nnds {
 
 // The first fit of f to the demonstrations alone.
 struct WarmStartOptions {
-  std::int64_t steps = 12000;  // Adam steps, >= 1, over which the rate falls to 0 (cosine)
+  std::int64_t steps = 20000;  // Adam steps of 32 samples, >= 1, over which the rate falls to 0 (cosine)
   double rate = 2e-3;          // Adam's rate at first, > 0
   double weight_decay = 0.1;   // decoupled (AdamW), of all weights of f, >= 0
   std::int64_t attempts = 4;   // starts of f at most, >= 1: one that stalls is drawn anew
@@ -53,14 +53,14 @@ struct LossOptions {
 
 // How many samples a step draws, and where. The shares may add up to 1 at most.
 struct BatchOptions {
-  std::int64_t demonstrations = 512;  // samples of the demonstrations a step, >= 1
+  std::int64_t demonstrations = 256;  // samples of the demonstrations a step, >= 1
   // Standard deviation (normalised units, >= 0) of a normal displacement of those in X0: in the warm start in
   // all directions, then across the velocity only. Motions start slowly, so what error of f turns them aside
   // there hardly shows in the imitation loss.
   double start_jitter = 0.02;
-  std::int64_t workspace = 512;  // samples of X a step, >= 1
-  std::int64_t initial = 128;    // samples of X0 a step, >= 1
-  std::int64_t unsafe = 256;     // samples of Xu a step, >= 1, and as many of the workspace margin
+  std::int64_t workspace = 256;  // samples of X a step, >= 1
+  std::int64_t initial = 64;     // samples of X0 a step, >= 1
+  std::int64_t unsafe = 128;     // samples of Xu a step, >= 1, and as many of the workspace margin
   // Of the samples of X, in [0, 1]: counterexamples, with a little jitter.
   double share_counterexamples = 0.3;
   double share_band = 0.25;  // of the samples of X, in [0, 1]: where B is nearly 0
@@ -73,27 +73,31 @@ struct BatchOptions {
 struct TrainerOptions {
   std::string engine = "fused";     // what computes losses and gradients: fused, autograd (the reference)
   std::int64_t rounds = 40;         // rounds that search for a certificate, at most; >= 1
-  std::int64_t min_rounds = 5;      // first that may end the search, >= 1: fewer underfit the demonstrations
-  std::int64_t steps = 500;         // Adam steps a round, >= 1
+  std::int64_t min_rounds = 1;      // first that may end the search, >= 1
+  std::int64_t steps = 250;         // Adam steps a round, >= 1
   double rate_f = 1e-3;             // Adam's rate for f, > 0
   double rate_certificates = 5e-3;  // Adam's rate for V and B, > 0
   double rate_decay = 0.9;          // factor of the rates from round to round, in (0, 1]
-  // Rounds after which the rates start anew, with a B drawn anew: low rates do not change a bad shape, and
+  // Rounds after which the search starts anew from the warm start's f: low rates do not change a bad shape, and
   // some shapes no training changes. >= 0; 0: never.
   std::int64_t rate_period = 10;
+  // First rounds of the search that train B alone, >= 0: for networks that come from a like scene.
+  std::int64_t barrier_rounds = 0;
   bool relax_weights = true;     // with every new start imitation, rollout_safety, obstacle_normal weigh less
   bool refine = true;            // a round after one that was nearly clean trains carefully
   bool backtrack = true;         // motions that violate a condition are followed back and corrected
   double max_level_shift = 0.1;  // of B after a round, to a better level without violations, >= 0; 0: none
-  std::int64_t imitation_finetune_rounds = 6;  // rounds after a clean one that fit f more closely, >= 0
+  std::int64_t imitation_finetune_rounds = 7;  // rounds after a clean one that fit f more closely, >= 0
   std::int64_t enlarge_rounds = 10;    // rounds after these that train B alone, for a larger safe set, >= 0
+  std::int64_t enlarge_steps = 400;    // Adam steps of such a round, >= 1
   double weight_decay = 0.2;           // decoupled (AdamW), of all weights of f, >= 0
-  std::int64_t rollout_points = 6000;  // points of X labelled by rollouts, anew every round, >= 0; 0: none
+  std::int64_t rollout_points = 4000;  // points of X labelled by rollouts, anew every round, >= 0; 0: none
   double smoothing = 1.0;  // share, in [0, 1], of a phase regression in the velocities that f is fitted to
   // Demonstration samples nearer to Xu than this (normalised units, per axis, >= 0) are left out; twice this
   // for demonstrations that pass through Xu, whose samples within Xu by more than this stay.
   double obstacle_margin = 0.05;
-  // Points of X in the random search for counterexamples after each round, >= 1.
+  // Points of X in the random search for counterexamples after each round, >= 1; a tenth of them where the prover
+  // looks, too.
   std::int64_t samples = 200000;
   double level_band = 0.01;     // eps_B > 0: Bdot < 0 must hold where |B| <= level_band
   WarmStartOptions warm_start;  // the first fit of f alone

@@ -15,7 +15,7 @@ namespace {
 
 // A start has stalled with an MSE above this share of the mean squared velocity.
 constexpr double kStalled = 0.25;
-constexpr std::int64_t kBatch = 512;  // demonstration samples a step
+constexpr std::int64_t kBatch = 32;  // demonstration samples a step
 
 double full_mse(const VectorField& f, const torch::Tensor& position, const torch::Tensor& velocity) {
   const auto rows = [](const torch::Tensor& x) -> Points {

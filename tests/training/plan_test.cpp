@@ -16,9 +16,12 @@ struct Round {
   std::int64_t found = 0;         // counterexamples of any source
   std::int64_t by_sampling = -1;  // of these, by random search; -1: all
   Stage stage = Stage::search;
+  double deviation = 0.0;
+  std::int64_t islands = 0;
 };
 
 constexpr Round kBad{5000}, kClean{0}, kFew{199}, kHidden{900, 0};
+constexpr Round kOther{0, -1, Stage::search, 1.5}, kIsland{5000, -1, Stage::search, 0.0, 1};
 constexpr Round kFinetuned{0, -1, Stage::imitation_finetune}, kNotFinetuned{7, -1, Stage::imitation_finetune};
 constexpr Round kEnlarged{0, -1, Stage::enlarge}, kNotEnlarged{7, -1, Stage::enlarge};
 
@@ -38,6 +41,8 @@ std::vector<RoundSummary> history_of(const Rounds& rounds) {
     row.counts.back() = round.found;
     row.found_by_sampling = round.by_sampling < 0 ? round.found : round.by_sampling;
     row.stage = round.stage;
+    row.deviation = round.deviation;
+    row.islands = round.islands;
     history.push_back(row);
   }
   return history;
@@ -54,6 +59,7 @@ std::string told(const RoundPlan& next, const TrainerOptions& options) {
   if (next.backtracks) text += ", backtracks";
   if (next.only_barrier) text += ", only B";
   if (next.undone_unless_clean) text += ", may be undone";
+  if (next.repairs > 0) text += fmt::format(", {} repairs", next.repairs);
   text += fmt::format("; rate {:.4g}", next.rate);
   for (const LossTerm term : all_loss_terms) {
     const double before = options.loss.weight[term], now = next.loss.weight[term];
@@ -76,16 +82,22 @@ void expect_plans(const TrainerOptions& options, const std::vector<Case>& cases)
 const Rounds kFirstClean = 4 * kBad + Rounds{kClean};
 const std::string kSearch = "search, labels, backtracks; rate ",
                   kAnew = "search, starts anew, labels, backtracks; rate 1",
-                  kFinetune = "imitation_finetune, labels, may be undone; rate 0.3",
+                  kFinetune = "imitation_finetune, labels, may be undone, 2 repairs; rate 0.3",
                   kEnlarge =
                       "enlarge, labels, only B, may be undone; rate 0.5, imitation 0, lyapunov 0, "
                       "barrier_sets 2, barrier_decrease 2";
 
+TrainerOptions not_before(std::int64_t round) {
+  TrainerOptions options;
+  options.min_rounds = round;
+  return options;
+}
+
 TEST(Plan, SearchesAtFallingRates) {
-  expect_plans({}, {{"warm start", {}, kSearch + "1"},
-                    {"one round", {kBad}, kSearch + "0.9"},
-                    {"clean too early", {kBad, kClean}, kSearch + "0.81"},
-                    {"nearly clean too early", {kBad, kBad, kFew}, kSearch + "0.729"}});
+  expect_plans(not_before(5), {{"warm start", {}, kSearch + "1"},
+                               {"one round", {kBad}, kSearch + "0.9"},
+                               {"clean too early", {kBad, kClean}, kSearch + "0.81"},
+                               {"nearly clean too early", {kBad, kBad, kFew}, kSearch + "0.729"}});
   TrainerOptions options;
   options.rate_period = 0;
   expect_plans(options, {{"never anew", 20 * kBad, kSearch + "0.1216"},
@@ -93,7 +105,8 @@ TEST(Plan, SearchesAtFallingRates) {
 }
 
 TEST(Plan, StartsAnewWithRelaxedWeights) {
-  const std::string once = ", imitation 0.5, rollout_safety 0.3, obstacle_normal 0.3";
+  const std::string once =
+      ", imitation 0.5, rollout_safety 0.3, obstacle_normal 0";  // every second one does not push
   expect_plans({},
                {{"before", 9 * kBad, kSearch + "0.3874"},
                 {"once", 10 * kBad, kAnew + once},
@@ -104,10 +117,36 @@ TEST(Plan, StartsAnewWithRelaxedWeights) {
   options.rate_period = 2;
   options.relax_weights = false;
   expect_plans(options, {{"weights stay", 4 * kBad, kAnew}});
+  options.barrier_rounds = 2;
+  const std::string barrier = "search, labels, backtracks, only B; rate ",
+                    nothing_else = ", imitation 0, lyapunov 0, obstacle_normal 0";
+  expect_plans(options, {{"B alone at first", {}, barrier + "1" + nothing_else},
+                         {"and once more", {kBad}, barrier + "0.9" + nothing_else},
+                         {"then all", 2 * kBad, kAnew + ", obstacle_normal 0"}});
+}
+
+TEST(Plan, StartsAnewWhereNoCertificateCanExist) {
+  const std::string pushes_not = ", obstacle_normal 0";
+  expect_plans({},
+               {{"three in a row", 3 * kIsland, kSearch + "0.729"},
+                {"four in a row", 4 * kIsland, kAnew + pushes_not},
+                {"with one between", 3 * kIsland + Rounds{kBad, kIsland}, kSearch + "0.5905"},
+                {"once more", 8 * kIsland, kAnew},
+                {"counted from the last start", 4 * kIsland + 9 * kBad, kSearch + "0.3874" + pushes_not}});
+}
+
+TEST(Plan, DoesNotTakeACertificateOfAnotherMotion) {
+  const std::string more = ", imitation 3, obstacle_normal 0";
+  expect_plans({}, {{"once", {kOther}, kAnew + more},
+                    {"it lasts", {kOther, kBad}, kSearch + "0.9" + more},
+                    {"twice", 2 * kOther, kAnew + ", imitation 9"},
+                    {"it is taken at last", 3 * kOther, kFinetune + ", imitation 10"}});
+  EXPECT_FALSE(has_clean_round(history_of(2 * kOther), {}));
+  EXPECT_TRUE(has_clean_round(history_of({kOther, kClean}), {}));
 }
 
 TEST(Plan, RefinesWhatIsNearlyCleanFourTimesInARow) {
-  TrainerOptions options;
+  TrainerOptions options = not_before(5);
   options.rate_period = 0;
   const std::string rest = ", barrier_decrease 3, rollout_safety ",
                     first = "search, refines (1), labels, backtracks; rate 0.1949" + rest +
@@ -132,13 +171,14 @@ TEST(Plan, RefinesWhatIsNearlyCleanFourTimesInARow) {
 TEST(Plan, FineTunesAfterTheFirstCleanRoundAndIsMoreCarefulAfterFailures) {
   expect_plans(
       {},
-      {{"first clean round", kFirstClean, kFinetune + ", imitation 10"},
+      {{"at once", {kClean}, kFinetune + ", imitation 10"},
+       {"first clean round", kFirstClean, kFinetune + ", imitation 10"},
        {"failed", kFirstClean + 1 * kNotFinetuned, kFinetune + ", imitation 5"},
        {"failed twice", kFirstClean + 2 * kNotFinetuned, kFinetune + ", imitation 2.5"},
        {"no less than 1", kFirstClean + 5 * kNotFinetuned, kFinetune},
        {"dares more again", kFirstClean + 2 * kNotFinetuned + 1 * kFinetuned, kFinetune + ", imitation 3.75"},
        {"no more than at first", kFirstClean + 2 * kFinetuned, kFinetune + ", imitation 10"},
-       {"the end of it", kFirstClean + 6 * kFinetuned, kEnlarge + ", rollout_safety 4, obstacle_normal 0"}});
+       {"the end of it", kFirstClean + 7 * kFinetuned, kEnlarge + ", rollout_safety 4, obstacle_normal 0"}});
 }
 
 TEST(Plan, ThenEnlargesAndEnds) {
@@ -157,7 +197,7 @@ TEST(Plan, ThenEnlargesAndEnds) {
 }
 
 TEST(Plan, EndsWithoutACertificate) {
-  TrainerOptions options;
+  TrainerOptions options = not_before(5);
   options.rounds = 7;
   expect_plans(options, {{"one to go", 6 * kBad, kSearch + "0.5314"}, {"none to go", 7 * kBad, "finished"}});
   EXPECT_FALSE(has_clean_round(history_of(7 * kBad), options));

@@ -481,6 +481,7 @@ class Run:
         self.history = {name: np.atleast_1d(column[()]) for name, column in file.get("history", {}).items()}
         self._read_certificate(file)
         self.evaluation = _fields(file["evaluation"]) if "evaluation" in file else {}
+        self.remarks = [str(_plain(line)) for line in file["remarks"][()]] if "remarks" in file else []
         self.timing = _fields(file["timing"]) if "timing" in file else {}
         self.rollouts = [self._read_rollout(group) for group in _numbered(file.get("rollouts", {}))]
         self.grid = self._read_grid(file["grid"]) if "grid" in file else None

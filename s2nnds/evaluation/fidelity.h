@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "s2nnds/evaluation/rollout.h"
+
+namespace s2nnds {
+
+// How far the motion from a demonstration's first point is from that demonstration: distances of places that are
+// matched in order, whenever they are passed. Normalised units.
+struct Deviation {
+  double mean = 0.0;     // over the matched pairs
+  double largest = 0.0;  // of them: the demonstration is followed within this distance
+  double limit = 0.0;    // largest mean with which the motion counts as following it
+  bool follows() const { return mean <= limit; }
+};
+
+// One for each demonstration (normalised). Both paths are cut into 200 places evenly spaced along them and matched by
+// dynamic time warping, so that speed does not count. Places of a demonstration within `margin` of the unsafe set
+// do not count either: no safe motion follows it there. The limit is `limit`, or the mean distance to the nearest other
+// demonstration where that is more: f has one velocity at each place and cannot be nearer to each than they are to one another.
+std::vector<Deviation> deviations(const StateFunction& f, const SafetyProblem& problem,
+                                  const std::vector<Demonstration>& demonstrations, double limit,
+                                  double margin, const RolloutOptions& options = {});
+
+// The largest mean / limit: at most 1 where every demonstration is followed. 0 without demonstrations.
+double worst_share(const std::vector<Deviation>& deviations);
+
+}  // namespace s2nnds

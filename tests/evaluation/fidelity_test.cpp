@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "s2nnds/evaluation/fidelity.h"
+
+#include <gtest/gtest.h>
+
+#include "s2nnds/problem/region.h"
+
+namespace s2nnds {
+namespace {
+
+SafetyProblem problem_with(RegionPtr unsafe) {
+  SafetyProblem problem;
+  problem.workspace = Box::cube(2, 2.0);
+  problem.contained = problem.workspace;
+  problem.unsafe = std::move(unsafe);
+  problem.initial = ball(Vector::Constant(2, -1.0), 0.1);
+  return problem;
+}
+
+RegionPtr nothing() { return ball(Vector::Constant(2, 1.9), 1e-3); }
+
+// From (1, bow(1)) to the origin along y = bow(x).
+template <typename Bow>
+Demonstration shown(Bow bow, double duration = 3.0) {
+  constexpr Eigen::Index kSamples = 101;
+  Demonstration d;
+  d.time = Vector::LinSpaced(kSamples, 0.0, duration);
+  d.position.resize(kSamples, 2);
+  d.velocity = Points::Zero(kSamples, 2);
+  for (Eigen::Index i = 0; i < kSamples; ++i) {
+    const double x = 1.0 - static_cast<double>(i) / (kSamples - 1);
+    d.position.row(i) << x, bow(x);
+  }
+  return d;
+}
+
+const StateFunction kStraight = [](const Points& x) -> Points { return -x; };
+
+TEST(Fidelity, IsZeroOnThePathWhateverTheSpeed) {
+  for (const double duration : {0.1, 3.0, 100.0}) {
+    const auto found = deviations(kStraight, problem_with(nothing()),
+                                  {shown([](double) { return 0.0; }, duration)}, 0.1, 0.0);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_LT(found[0].largest, 0.025);  // the motion ends 0.02 from the goal
+    EXPECT_TRUE(found[0].follows());
+  }
+}
+
+TEST(Fidelity, MeasuresABow) {
+  const auto bow = [](double x) { return 2.0 * x * (1.0 - x); };  // 0.5 high
+  const auto found = deviations(kStraight, problem_with(nothing()), {shown(bow)}, 0.1, 0.0);
+  EXPECT_NEAR(found[0].largest, 0.5, 0.03);
+  EXPECT_GT(found[0].mean, 0.25);
+  EXPECT_LT(found[0].mean, 0.4);
+  EXPECT_FALSE(found[0].follows());
+  EXPECT_NEAR(worst_share(found), found[0].mean / 0.1, 1e-12);
+}
+
+TEST(Fidelity, AMotionThatStandsStillDoesNotFollow) {
+  const StateFunction still = [](const Points& x) -> Points { return 0.0 * x; };
+  const auto found =
+      deviations(still, problem_with(nothing()), {shown([](double) { return 0.0; })}, 0.1, 0.0);
+  EXPECT_NEAR(found[0].largest, 1.0, 1e-6);
+  EXPECT_FALSE(found[0].follows());
+}
+
+TEST(Fidelity, DoesNotCountPlacesInTheObstacle) {
+  const auto bow = [](double x) { return x > 0.4 && x < 0.6 ? 0.3 : 0.0; };
+  const Vector place = (Vector(2) << 0.5, 0.3).finished();
+  EXPECT_FALSE(deviations(kStraight, problem_with(nothing()), {shown(bow)}, 0.05, 0.0)[0].follows());
+  EXPECT_TRUE(deviations(kStraight, problem_with(ball(place, 0.2)), {shown(bow)}, 0.05, 0.1)[0].follows());
+}
+
+TEST(Fidelity, AllowsWhatTheDemonstrationsDiffer) {
+  const auto up = [](double x) { return 0.8 * x * (1.0 - x); };
+  const auto down = [](double x) { return -0.8 * x * (1.0 - x); };
+  const auto found = deviations(kStraight, problem_with(nothing()), {shown(up), shown(down)}, 0.1, 0.0);
+  EXPECT_GT(found[0].limit, 0.2);
+  EXPECT_TRUE(found[0].follows());
+}
+
+}  // namespace
+}  // namespace s2nnds
