@@ -11,6 +11,19 @@ import subprocess
 import sys
 
 PYTHON = "/usr/bin/python3"  # Debian's, which has torch
+LEAST_PEER_RATE = 0.5  # of the best rate of matrix products on this machine: less is a peer without a BLAS worth the name
+# The rate at which the peer multiplies matrices, GFLOP/s.
+PEER_RATE = """
+import json, statistics, sys, time, torch
+torch.set_num_threads(int(sys.argv[1]))
+a, b = torch.rand(1024, 1024), torch.rand(1024, 1024)
+times = []
+for _ in range(12):
+    begin = time.perf_counter()
+    a @ b
+    times.append(time.perf_counter() - begin)
+print(json.dumps({"sgemm_gflops": 2e-9 * 1024 ** 3 / statistics.median(times[2:])}))
+"""
 
 
 def run_json(*command, threads=None):
@@ -42,23 +55,43 @@ def fastest(results, key):
 
 def measure(arguments, programs):
     counts = arguments.threads or sorted({1, min(2, os.cpu_count() or 1)})
-    peer, ours, rates = ({n: [] for n in counts} for _ in range(3))
+    peer, jax, ours, rates = ({n: [] for n in counts} for _ in range(4))
+    check_peer(arguments, programs, counts)
     latency = []
     for k in range(arguments.rounds):
         for n in counts:
             print(f"round {k + 1} of {arguments.rounds}, threads {n}", file=sys.stderr)
             peer[n].append(run_json(PYTHON, arguments.peer, "--threads", n, "--steps", arguments.steps, threads=n))
             ours[n].append(run_json(f"{programs}/paired_timing", "--threads", n, "--steps", arguments.steps, threads=n))
+            if arguments.jax:
+                words = (arguments.jax, arguments.jax_peer, "--threads", n, "--steps", arguments.steps)
+                jax[n].append(run_json(*words, threads=n))
             rates[n].append(run_json(f"{programs}/gemm_rate", n, threads=n))
         latency.append(run_json(f"{programs}/evaluation_latency", 1000000, threads=1))
-    return peer, ours, rates, latency
+    return peer, jax, ours, rates, latency
 
 
-def summarise(peer, ours, rates, latency):
+def check_peer(arguments, programs, counts):
+    """Refuses a comparison with a lame peer: Debian's torch takes its matrix products from whatever libblas there is."""
+    for n in counts:
+        best = run_json(f"{programs}/gemm_rate", n, threads=n)["sgemm_gflops"]
+        found = run_json(PYTHON, "-c", PEER_RATE, n, threads=n)["sgemm_gflops"]
+        arguments.peer_rates[n] = found
+        if found < LEAST_PEER_RATE * best:
+            sys.exit(f"compare.sh: the peer multiplies matrices at {found:.1f} GFLOP/s with {n} threads, this machine can "
+                     f"do {best:.1f}: install libopenblas0-pthread before comparing")
+
+
+def summarise(peer, jax, ours, rates, latency):
     result = {}
     for work, key, flops in (("step", "step_s", "step_flops"), ("score", "score_200k_s", "score_flops")):
         peer_threads, peer_seconds = fastest(peer, key)
         our_threads, our_seconds = fastest(ours, key)
+        if any(jax.values()):
+            jax_threads, jax_seconds = fastest(jax, key)
+            result[f"{work}_jax_ratio"] = jax_seconds / our_seconds
+            result[f"{work}_jax_ms"] = 1e3 * jax_seconds
+            result[f"{work}_jax_threads"] = jax_threads
         gflops = 1e-9 * ours[our_threads][0][flops] / our_seconds
         result[f"{work}_ratio"] = peer_seconds / our_seconds
         result[f"{work}_roofline"] = gflops / medians(rates, "sgemm_gflops")[our_threads]
@@ -116,6 +149,8 @@ def main():
     parser.add_argument("--steps", type=int, default=200)
     parser.add_argument("--threads", type=int, nargs="+")
     parser.add_argument("--peer")
+    parser.add_argument("--jax", default=os.environ.get("S2NNDS_JAX_PYTHON"), help="a Python with JAX, the second peer")
+    parser.add_argument("--jax-peer")
     parser.add_argument("--out")
     parser.add_argument("--baseline", action="store_true")
     parser.add_argument("--growth", action="store_true")
@@ -125,7 +160,10 @@ def main():
     arguments.peer = arguments.peer or os.path.join(arguments.root, "../shared/anchors/pytorch_step.py")
     if not os.path.isfile(arguments.peer):
         sys.exit(f"compare.sh: {arguments.peer}: no such file; --peer names the peer's script")
+    arguments.jax_peer = arguments.jax_peer or os.path.join(os.path.dirname(arguments.peer), "jax_step.py")
+    arguments.peer_rates = {}
     result = summarise(*measure(arguments, arguments.programs))
+    result["peer_sgemm_gflops_by_threads"] = arguments.peer_rates
     rounded = {key: float(f"{value:.4g}") if isinstance(value, float) else value for key, value in result.items()}
     outputs = [arguments.out] if arguments.out else []
     if arguments.baseline:

@@ -6,6 +6,7 @@
 #        compare.sh --growth      prints how step, score, proof and evaluation grow, instead
 #   --threads   numbers of threads to try; default 1 2. A round takes some three minutes on two idle cores, most of it the peer's
 #   --peer      default ../shared/anchors/pytorch_step.py beside the repository; run by /usr/bin/python3 (python3-torch)
+#   --jax       a Python that has JAX (or S2NNDS_JAX_PYTHON): the second peer, ../shared/anchors/jax_step.py (--jax-peer)
 #   --baseline  stores the result as tests/benchmarks/baselines/HOST.json
 # S2NNDS_OPENBLAS names a libopenblas.so to measure the rate of matrix products with; BUILD the build folder.
 set -euo pipefail
