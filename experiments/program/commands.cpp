@@ -104,6 +104,17 @@ std::string sibling(const std::string& run, const std::string& suffix) {
   return fs::path(run).replace_extension().string() + suffix;
 }
 
+// Refuses what no training can solve, and says what no motion x' = f(x) can do, before any time is spent on it.
+void look_before_training(const PreparedRun& setup, const std::string& source) {
+  const std::vector<Demonstration> shown = setup.train();
+  const std::vector<std::string> reasons = impossibilities(setup.problem, setup.data.frame, shown);
+  check(reasons.empty(), "{}: {}", source, reasons.empty() ? "" : reasons.front());
+  if (const auto text = sides_warning(setup.problem, setup.data.frame, shown)) spdlog::warn("{}", *text);
+  const Survey found =
+      survey({.name = setup.config.name, .unit = "", .demonstrations = setup.data.demonstrations});
+  for (const std::string& text : warnings_of(found, setup.data.frame.unit)) spdlog::warn("{}", text);
+}
+
 struct TrainingStart {
   std::string path;
   PreparedRun setup;
@@ -151,6 +162,7 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
   hooks.checkpoint = [&](const RunRecord& record) { save_run(start.path, record); };
   spdlog::info("{}", frame_line(start.record));
   log_clearances(start.setup);
+  if (arguments.resume.empty()) look_before_training(start.setup, arguments.config);
   const TrainerSummary summary = s2nnds::train(start.setup, start.record, hooks);
   if (summary.left_out_samples > 0) {
     spdlog::warn("{} demonstration samples within {} of the unsafe set were left out of the fit",

@@ -8,6 +8,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/hdf5.h"
+#include "s2nnds/problem/passing_sides.h"
 #include "s2nnds/problem/reachability.h"
 
 namespace s2nnds {
@@ -65,23 +66,6 @@ void warn_of_clearances(Scene& scene) {
   add_some(scene.warnings, texts);
 }
 
-void warn_of_walls(Scene& scene, const std::vector<Demonstration>& normalised) {
-  if (scene.config.problem.unsafe.type == "none") return;
-  const auto found = find_reachability(*scene.problem, first_points(normalised));
-  if (!found || found->cut_off == 0) return;
-  const std::string grid = fmt::format("on a grid of {} cells a side", found->cells);
-  if (found->goal_is_walled_in) {
-    scene.warnings.push_back(
-        fmt::format("the obstacle cuts the goal off from every start ({}): no motion can be safe", grid));
-    return;
-  }
-  scene.warnings.push_back(fmt::format(
-      "the obstacle cuts {:.0f} % of the initial set and the starts off from the goal, as at {} ({}): no "
-      "motion from "
-      "there can be safe; make problem.initial smaller",
-      std::ceil(100 * found->cut_off), scene.frame->position_text(scene.frame->to_data(found->place)), grid));
-}
-
 // The sets, refused or not.
 void build_problem(Scene& scene, const std::string& data_dir) {
   const std::vector<Demonstration> normalised = scene.frame->normalize(scene.data.demonstrations);
@@ -99,7 +83,10 @@ void build_problem(Scene& scene, const std::string& data_dir) {
   try {
     scene.clearances = clearances_of(*scene.problem, scene.config.problem, normalised, *scene.frame);
     warn_of_clearances(scene);
-    warn_of_walls(scene, normalised);
+    for (std::string& text : impossibilities(*scene.problem, *scene.frame, normalised))
+      scene.warnings.push_back(std::move(text));
+    if (auto text = sides_warning(*scene.problem, *scene.frame, normalised))
+      scene.warnings.push_back(std::move(*text));
   } catch (const Error& error) {  // a level that is not a number somewhere
     if (scene.refusals.empty()) scene.refusals.emplace_back(error.what());
     scene.problem.reset();
@@ -172,6 +159,30 @@ std::vector<std::string> warnings_of(const Survey& survey, const std::string& un
   }
   for (const auto& texts : {closed, crossings, pauses}) add_some(warnings, texts);
   return warnings;
+}
+
+std::vector<std::string> impossibilities(const SafetyProblem& problem, const Frame& frame,
+                                         const std::vector<Demonstration>& normalised) {
+  const auto found = find_reachability(problem, first_points(normalised));
+  if (!found || found->cut_off == 0) return {};
+  const std::string grid = fmt::format("on a grid of {} cells a side", found->cells);
+  if (found->goal_is_walled_in)
+    return {fmt::format("the obstacle cuts the goal off from every start ({}): no motion can be safe", grid)};
+  return {fmt::format(
+      "the obstacle cuts {:.0f} % of the initial set and the starts off from the goal, as at {} ({}): no "
+      "motion from there can be safe; make problem.initial smaller",
+      std::ceil(100 * found->cut_off), frame.position_text(frame.to_data(found->place)), grid)};
+}
+
+std::optional<std::string> sides_warning(const SafetyProblem& problem, const Frame& frame,
+                                         const std::vector<Demonstration>& normalised) {
+  const auto found = find_passing_sides(problem, normalised);
+  if (!found) return std::nullopt;
+  return fmt::format(
+      "demonstrations {} and {} start together and pass the obstacle at {} on different sides: a motion x' = "
+      "f(x) "
+      "from there takes one way only",
+      found->first, found->second, frame.position_text(frame.to_data(found->place)));
 }
 
 std::vector<Clearance> clearances_of(const SafetyProblem& problem, const ProblemOptions& options,

@@ -31,6 +31,15 @@ Scene look_at(const Config& config, const std::string& data_dir, const ReadingPr
 // What x' = f(x) cannot follow in demonstrations as read: closed ones, crossings, pauses.
 std::vector<std::string> warnings_of(const Survey& survey, const std::string& unit);
 
+// Why no motion can be safe from all of the initial set and the demonstrations' starts, in words; empty where the obstacle
+// cuts nothing off from the goal, as far as a grid shows (find_reachability).
+std::vector<std::string> impossibilities(const SafetyProblem& problem, const Frame& frame,
+                                         const std::vector<Demonstration>& normalised);
+
+// Which demonstrations start together and pass the obstacle on different sides, in words (find_passing_sides).
+std::optional<std::string> sides_warning(const SafetyProblem& problem, const Frame& frame,
+                                         const std::vector<Demonstration>& normalised);
+
 // How far each demonstration, in normalised units, stays from the obstacle within the workspace; the result is
 // in the data's unit and frame, to a thousandth of the largest coordinate. Empty where there is no obstacle.
 std::vector<Clearance> clearances_of(const SafetyProblem& problem, const ProblemOptions& options,

@@ -112,6 +112,19 @@ class SceneTest(ProgramTest):
             self.assertTrue(os.path.exists(self.path("my-preview.png")))
             os.remove(self.path("my-preview.png"))
 
+        # Training does not begin with it.
+        refused = self.call("train", "my.toml", "--data", ".", "--set", wall, "--out", self.path("no.h5"))
+        self.assert_refused((refused[0], refused[1], refused[2].strip().splitlines()[-1] + "\n"), "cuts the goal off")
+        self.assertFalse(os.path.exists(self.path("no.h5")))
+
+    def test_two_ways_round_an_obstacle_are_named(self):
+        self.record("up", lambda s: [s, 0.8 * s * (1 - s)])
+        self.record("down", lambda s: [s, -0.8 * s * (1 - s)])
+        self.new("up.csv", "down.csv")
+        ball = 'problem.unsafe={ type = "ball", center = [0.5, 0.0], radius = 0.05 }'
+        _, seen, _ = self.preview("--set", ball)
+        self.assertIn("demonstrations 0 and 1 start together and pass the obstacle", " ".join(seen["problems"]))
+
     def test_three_and_more_dimensions(self):
         for n in (3, 4):
             names = ",".join(["time", *(f"q{i + 1}" for i in range(n))])
