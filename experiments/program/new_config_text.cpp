@@ -114,7 +114,7 @@ std::string new_config_text(const Scene& scene, bool unit_is_guessed, const std:
   for (const std::string& problem : scene.warnings) text += "# PROBLEM: " + problem + "\n";
   text += setting("name", toml_text(scene.config.name)) + "\n\n";
   text += data_section(scene, unit_is_guessed, data_flag) + "\n" + problem_section(scene);
-  if (scene.data.dimension() > 4) {
+  if (scene.data.dimension() > most_proved_dimensions) {
     text += "\n[verification]\n" + line("method = \"conformal\"",
                                         "a proof covers the whole workspace, too much in so many dimensions");
   }

@@ -51,8 +51,8 @@ void print_round(const RoundSummary& row) {
   }
 }
 
-void print_reading(const std::string& path, double share) {
-  spdlog::info("reading {}: {:.0f} %", path, 100 * share);
+void print_reading(const std::string& what, double share) {
+  spdlog::info("{}: {:.0f} %", what, 100 * share);
 }
 
 ProofProgress proof_printer() {

@@ -13,7 +13,7 @@ namespace s2nnds::program {
 void print_round(const RoundSummary& row);
 
 // Logs how much of a large data file has been read: a share in [0, 1].
-void print_reading(const std::string& path, double share);
+void print_reading(const std::string& what, double share);
 
 // Logs a line when a proof has gone on for another few seconds.
 ProofProgress proof_printer();

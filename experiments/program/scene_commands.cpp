@@ -280,7 +280,9 @@ int preview(const PreviewArguments& arguments, const CommonArguments& common) {
   const std::string figure =
       arguments.out.empty() ? sibling(arguments.config, "-preview.png") : arguments.out;
   check_writable(figure);
-  const Scene scene = look_at(config, data_directory(common.data), print_reading);
+  Scene scene = look_at(config, data_directory(common.data), print_reading);
+  if (std::string problem = dimension_warning(config, scene.data.dimension()); !problem.empty())
+    scene.warnings.push_back(std::move(problem));
   fmt::print("{}{}", found_text(scene, ""), sets_text(scene));
   for (const std::string& warning : scene.warnings) fmt::print("{}", row("PROBLEM", warning));
   if (scene.warnings.empty() && scene.refusals.empty()) fmt::print("{}", row("problems", "none found"));

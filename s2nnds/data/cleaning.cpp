@@ -157,27 +157,32 @@ class Cleaning {
     if (options_.window > 0) smooth_ = smooth_derivative(r_.time, r_.position, options_.window);
   }
 
+  // Rest is where a recording has not moved out of what noise explains, less the time in which the motion that
+  // follows was under way already: see rest_at().
   void cut_rest() {
     if (!(options_.rest > 0)) return;
     const double extent = extent_of(r_);
     check(extent > 0, "{}: found a recording that does not move; expected a motion", r_.where);
     const double radius =
         std::max(options_.rest * extent, 4 * smooth_.noise * std::sqrt(double(r_.position.cols())));
-    const double least = std::min(0.5, duration_of(r_) / 20);
     const Eigen::Index last = r_.samples() - 1;
+    const double least = std::min(0.5, duration_of(r_) / 20);
+    const double at_start = rest_at(radius, 1), at_end = rest_at(radius, -1);
     Eigen::Index begin = 0, end = last;
-    while (begin < last && (r_.position.row(begin + 1) - r_.position.row(0)).norm() <= radius) ++begin;
-    while (end > 0 && (r_.position.row(end - 1) - r_.position.row(last)).norm() <= radius) --end;
-    check(begin < end, "{}: found a recording that does not leave its noise of {:.3g} {}; expected a motion",
-          r_.where, smooth_.noise, unit_);
-    const double at_start = r_.time[begin] - r_.time[0], at_end = r_.time[last] - r_.time[end];
-    if (at_start < least) begin = 0;
-    if (at_end < least) end = last;
+    if (at_start >= least) {
+      while (begin < last && r_.time[begin + 1] <= r_.time[0] + at_start) ++begin;
+      say(fmt::format("{:.2g} s of rest at the start cut", at_start));
+    }
+    if (at_end >= least) {
+      while (end > 0 && r_.time[end - 1] >= r_.time[last] - at_end) --end;
+      say(fmt::format("{:.2g} s of rest at the end cut", at_end));
+    }
+    check(begin < end && time_beyond(radius, 1) < r_.time[last],
+          "{}: found a recording that does not leave its noise of {:.3g} {}; expected a motion", r_.where,
+          smooth_.noise, unit_);
     if (begin == 0 && end == last) return;
     Samples kept(static_cast<std::size_t>(end - begin + 1));
     std::iota(kept.begin(), kept.end(), begin);
-    if (begin > 0) say(fmt::format("{:.2g} s of rest at the start cut", at_start));
-    if (end < last) say(fmt::format("{:.2g} s of rest at the end cut", at_end));
     r_ = r_.at(kept);
     measure_noise();
   }
@@ -263,6 +268,40 @@ class Cleaning {
       if (speed[next - 1] > fast && across <= 0.5 * fast) return run;
     }
     return 0;
+  }
+
+  // The time at which the recording first leaves the ball of `radius` around its end's position, the mean of half a
+  // window of options; `step`, 1 or -1, leads into it from that end.
+  double time_beyond(double radius, Eigen::Index step) const {
+    const Eigen::Index outer = step > 0 ? 0 : r_.samples() - 1, inner = r_.samples() - 1 - outer;
+    Eigen::RowVectorXd rest = r_.position.row(outer);
+    double count = 1;
+    for (Eigen::Index i = outer + step;
+         i != inner && std::abs(r_.time[i] - r_.time[outer]) <= 0.5 * options_.window; i += step) {
+      rest += r_.position.row(i);
+      ++count;
+    }
+    rest /= count;
+    double before = 0;
+    for (Eigen::Index i = outer;; i += step) {
+      const double distance = (r_.position.row(i) - rest).norm();
+      if (distance > radius) {
+        if (i == outer) return r_.time[outer];
+        const double share = std::clamp((radius - before) / (distance - before), 0.0, 1.0);
+        return r_.time[i - step] + share * (r_.time[i] - r_.time[i - step]);
+      }
+      if (i == inner) return r_.time[inner];
+      before = distance;
+    }
+  }
+
+  // Seconds of rest at that end. A motion that leaves rest with a finite jerk goes as t^3 (as t^2 with a jump of the
+  // force, as t with one of the speed): it needs at least as long to go from `radius` to eight times as far as it
+  // took to go `radius`. What is before is rest.
+  double rest_at(double radius, Eigen::Index step) const {
+    const double start = r_.time[step > 0 ? 0 : r_.samples() - 1];
+    const double gone = time_beyond(radius, step), farther = time_beyond(8 * radius, step);
+    return std::abs(gone - start) - std::abs(farther - gone);
   }
 
   // Positions and velocities between samples: the cubic that has both at both ends.

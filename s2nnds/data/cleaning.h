@@ -28,9 +28,9 @@ struct CleaningOptions {
   // Longest step that is no gap, in usual steps (90 % of the steps are no longer), >= 0. Gaps are reported.
   double gap = 10;
   double most_in_gaps = 0.2;  // largest share of the path that may lie within gaps, in [0, 1]
-  // At the start and the end, samples within this share of the motion's extent (or the noise, if that is
-  // larger) of the first or last position are rest and cut, where they last half a second or a twentieth of
-  // the recording. In [0, 1).
+  // At the start and the end, samples within this share of the motion's extent (or within the noise, if that is
+  // larger) of the first or last position, less the time in which a motion that starts or stops smoothly is still
+  // so near, are rest and cut, where they last half a second or a twentieth of the recording. In [0, 1).
   double rest = 0.001;
   // Seconds, >= 0: where no velocities were recorded, they are the slope of parabolas fitted to so long a
   // piece around each sample, of at least 5 samples and at most a tenth of them. 0: central differences.

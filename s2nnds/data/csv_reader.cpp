@@ -141,13 +141,12 @@ class CsvFile {
 
  private:
   void read_lines(const ReadingProgress& progress) {
-    constexpr std::int64_t kLinesATick = 250'000;
     Lines lines(text_);
     std::string_view line;
     std::vector<std::string_view> cells;
     bool blank = false;
     while (lines.next(line)) {
-      if (progress && lines.number() % kLinesATick == 0) progress(path_, lines.share());
+      if (progress && lines.number() % samples_a_tick == 0) progress("reading " + path_, lines.share());
       if (lines.number() < header_.first_data_line) continue;
       if (line.empty()) {
         blank = !parts_.empty();

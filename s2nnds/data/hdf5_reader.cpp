@@ -105,7 +105,8 @@ Recording read_recording(const Hdf5Reader& file, const std::string& group, const
 
 }  // namespace
 
-RecordingSet read_hdf5(const std::string& path, const TableOptions& options) {
+RecordingSet read_hdf5(const std::string& path, const TableOptions& options,
+                       const ReadingProgress& progress) {
   check_readable(path);
   const Hdf5Reader file(path);
   const Layout layout = find_layout(file, options);
@@ -115,8 +116,15 @@ RecordingSet read_hdf5(const std::string& path, const TableOptions& options) {
   });
   RecordingSet set{stem(path), ""};
   check(!names.empty(), "{}: found no demonstrations in {}; expected at least 1", path, layout.group);
-  for (const std::string& name : names)
+  Eigen::Index since_tick = 0;
+  for (const std::string& name : names) {
     set.recordings.push_back(read_recording(file, layout.group + "/" + name, layout));
+    since_tick += set.recordings.back().samples();
+    if (!progress || since_tick < samples_a_tick) continue;
+    since_tick = 0;
+    progress("reading " + path,
+             static_cast<double>(set.recordings.size()) / static_cast<double>(names.size()));
+  }
   if (layout.time.empty()) set.time_unit = 1;
   if (file.has_attribute(layout.group, "unit")) set.unit = file.text_attribute(layout.group, "unit");
   if (layout.group != kOurGroup || !options.columns.position.empty()) {

@@ -35,7 +35,7 @@ LocalParabola fit_parabola(const Vector& time, const Points& position, Eigen::In
 namespace {
 
 constexpr Eigen::Index kFewest = 5;  // samples of a window
-constexpr double kMost = 64;         // samples of a window; of more, means of neighbours do as well
+constexpr double kMost = 32;         // samples of a window; of more, means of neighbours do as well
 
 // The mean times and positions of every `group` samples.
 void average(const Vector& time, const Points& position, Eigen::Index group, Vector& times, Points& means) {

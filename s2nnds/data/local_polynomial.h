@@ -27,7 +27,8 @@ struct SmoothDerivative {
 
 // Each sample's window reaches width/2 to both sides, has at least 5 samples, and at most a tenth of all but
 // never fewer than 5; at the ends the window is cut where the data end and the sample is not in its middle.
-// Where a window would have more than 64 samples, means of neighbours take their place. Fewer than 5 samples: the derivative of differentiate(), noise 0. time [M] increasing, position [M, n],
+// Where a window would have more than 32 samples, means of neighbours take their place. Fewer than 5 samples: the
+// derivative of differentiate(), noise 0. time [M] increasing, position [M, n],
 // M >= 2, width > 0 in the unit of time.
 SmoothDerivative smooth_derivative(const Vector& time, const Points& position, double width);
 

@@ -48,11 +48,13 @@ RecordingSet as_recordings(const DemonstrationSet& set) {
 // Of recordings that people made themselves: units may be wrong, samples may be lost.
 bool is_raw(const std::string& source) { return source == "csv" || source == "npy" || source == "hdf5"; }
 
-RecordingSet read_hdf5_files(const std::vector<std::string>& paths, const TableOptions& options) {
+RecordingSet read_hdf5_files(const std::vector<std::string>& paths, const TableOptions& options,
+                             const ReadingProgress& progress) {
   check(!paths.empty(), "hdf5: found no files; expected at least one (data.files)");
-  RecordingSet set = read_hdf5(paths.front(), options);
+  RecordingSet set = read_hdf5(paths.front(), options, progress);
   for (std::size_t i = 1; i < paths.size(); ++i) {
-    for (Recording& r : read_hdf5(paths[i], options).recordings) set.recordings.push_back(std::move(r));
+    for (Recording& r : read_hdf5(paths[i], options, progress).recordings)
+      set.recordings.push_back(std::move(r));
   }
   return set;
 }
@@ -64,7 +66,7 @@ RecordingSet read_raw(const DataOptions& options, const std::string& data_dir,
   };
   if (options.source == "csv") return read_csv(files({".csv", ".txt", ".tsv", ".dat"}), options, progress);
   if (options.source == "npy") return read_npy(files({".npy", ".npz"}), options);
-  return read_hdf5_files(files({".h5", ".hdf5"}), options);
+  return read_hdf5_files(files({".h5", ".hdf5"}), options, progress);
 }
 
 RecordingSet read_source(const DataOptions& options, const std::string& data_dir,
@@ -79,11 +81,19 @@ RecordingSet read_source(const DataOptions& options, const std::string& data_dir
   return options.source == "lasa" ? read_lasa(path) : read_ds_opt(path);
 }
 
-DemonstrationSet clean_all(const RecordingSet& recordings, const DataOptions& options) {
+DemonstrationSet clean_all(const RecordingSet& recordings, const DataOptions& options,
+                           const ReadingProgress& progress) {
+  Eigen::Index since_tick = 0;
   DemonstrationSet set{recordings.name, recordings.unit, {}, recordings.report};
   for (std::size_t k = 0; k < recordings.recordings.size(); ++k) {
     CleanDemonstration one =
         clean(recordings.recordings[k], options.cleaning, options.stride, recordings.unit);
+    since_tick += recordings.recordings[k].samples();
+    if (progress && since_tick >= samples_a_tick) {
+      since_tick = 0;
+      progress("cleaning " + recordings.recordings[k].where,
+               static_cast<double>(k + 1) / static_cast<double>(recordings.recordings.size()));
+    }
     set.demonstrations.push_back(std::move(one.demonstration));
     set.noise.push_back(one.noise);
     if (!one.steps.empty()) set.report.push_back(fmt::format("{}: {}", k, fmt::join(one.steps, ", ")));
@@ -129,7 +139,7 @@ DemonstrationSet read_demonstrations(const DataOptions& options, const std::stri
   const bool cleaned =
       options.cleaning.steps == "auto" ? is_raw(options.source) : options.cleaning.steps == "on";
   DemonstrationSet set =
-      cleaned ? clean_all(recordings, options) : make_demonstrations(recordings, options.stride);
+      cleaned ? clean_all(recordings, options, progress) : make_demonstrations(recordings, options.stride);
   check_demonstrations(set, set.name);
   if (is_raw(options.source)) {
     std::vector<std::string> time_columns;

@@ -51,8 +51,9 @@ struct DataOptions : TableOptions {
   void visit(FieldVisitor& v);  // names only the keys that `source` has
 };
 
-// Called now and then while a large file is read: its path, and the share of it that is done.
-using ReadingProgress = std::function<void(const std::string& path, double share)>;
+// Called now and then while much is read: what is done ("reading d.csv", "cleaning d.csv"), and which share of it.
+using ReadingProgress = std::function<void(const std::string& what, double share)>;
+inline constexpr std::int64_t samples_a_tick = 250'000;  // between two calls
 
 // Reads, picks `use`, brings times to seconds, cleans, checks and thins; the report says what was done.
 // Positions and recorded velocities that are left stay as they are in the files. Relative paths count from `data_dir`. Throws Error with path, what was found and what was
@@ -82,7 +83,8 @@ RecordingSet read_npy(const std::vector<std::string>& paths, const TableOptions&
 // velocity [M, n]. options.columns names the group (`index`) and the data sets in its members; several that make
 // up the positions stand side by side. Its attribute `unit` is the unit of length. Without names: /demonstrations/K/time, position, velocity; robomimic's
 // /data/demo_K/obs/robot0_eef_pos, whose times count by the control frequency in the file.
-RecordingSet read_hdf5(const std::string& path, const TableOptions& options = {});
+RecordingSet read_hdf5(const std::string& path, const TableOptions& options = {},
+                       const ReadingProgress& progress = {});
 
 // Derivative of the parabola through three neighbouring samples: central in the interior, one-sided at the
 // ends, on any increasing time grid; error O(h^2). time [M], position [M, n] -> [M, n], M >= 2 (two samples:

@@ -185,6 +185,15 @@ std::optional<std::string> sides_warning(const SafetyProblem& problem, const Fra
       found->first, found->second, frame.position_text(frame.to_data(found->place)));
 }
 
+std::string dimension_warning(const Config& config, Eigen::Index dimension) {
+  if (dimension <= most_proved_dimensions || config.verification.method != Method::proof) return "";
+  return fmt::format(
+      "a proof in {} dimensions covers a workspace that has too many boxes: it may not end. "
+      "verification.method = "
+      "\"conformal\" speaks of drawn points instead, and is over in minutes",
+      dimension);
+}
+
 std::vector<Clearance> clearances_of(const SafetyProblem& problem, const ProblemOptions& options,
                                      const std::vector<Demonstration>& normalised, const Frame& frame) {
   std::vector<Clearance> clearances;

@@ -65,5 +65,17 @@ TEST(Plausibility, VelocitiesInAnotherUnitThanPositions) {
                "demonstration 0: found recorded velocities 0.001 times those that positions and times give");
 }
 
+// At 1 kHz the way from sample to sample is mostly noise, though velocities are right.
+TEST(Plausibility, NoiseAtAHighRateIsNoOtherUnit) {
+  Demonstration d{Vector::LinSpaced(10001, 0, 10), Points::Zero(10001, 2), Points::Zero(10001, 2)};
+  d.position.col(0) = Vector::LinSpaced(10001, 0, 0.5);
+  d.velocity.col(0).setConstant(0.05);
+  for (Eigen::Index i = 0; i < 10001; ++i) d.position(i, 1) = i % 2 == 0 ? 1e-3 : -1e-3;  // 2 m/s
+  EXPECT_NO_THROW(check_lines({d}, "m"));
+  d.velocity *= 1000;
+  expect_error([&] { check_lines({d}, "m"); }, "found a speed of 50 m/s");
+  expect_error([&] { check_lines({d}, "m", {.speed = 1e3}); }, "found recorded velocities 1000 times");
+}
+
 }  // namespace
 }  // namespace s2nnds
