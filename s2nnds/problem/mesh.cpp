@@ -8,7 +8,9 @@
 #include <optional>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/problem/side_grid.h"
 #include "s2nnds/problem/surface_region.h"
+#include "s2nnds/problem/triangle_distance.h"
 
 namespace s2nnds {
 namespace {
@@ -60,20 +62,29 @@ std::optional<int> crossing(const Intervals& ray, const Intervals& a, const Inte
 class Solid final : public SurfaceRegion {
  public:
   Solid(SimplexSet triangles, std::string text)
-      : SurfaceRegion(std::move(triangles)), text_(std::move(text)) {}
+      : SurfaceRegion(std::move(triangles)),
+        text_(std::move(text)),
+        distance_(surface().vertices(), surface().simplices()),
+        sides_(surface().tree(), [this](const Position& x) { return side_by_rays(x); }) {}
   std::string describe() const override { return text_; }
 
  protected:
   int side(const Position& x) const override {
     const BoxTree& tree = surface().tree();
     if ((x.array() < tree.lower().array()).any() || (x.array() > tree.upper().array()).any()) return 1;
+    const int known = sides_.at(x);
+    return known != 0 ? known : side_by_rays(x);
+  }
+  double rounded_distance(const Position& x) const override { return distance_(x); }
+
+ private:
+  int side_by_rays(const Position& x) const {
     for (const std::array<double, 3>& ray : kRays) {
       if (const std::optional<int> winding = winding_along(x, ray)) return *winding == 0 ? 1 : -1;
     }
     return 0;
   }
 
- private:
   std::optional<int> winding_along(const Position& x, const std::array<double, 3>& ray) const {
     int winding = 0;
     const Intervals direction{ray[0], ray[1], ray[2]};
@@ -96,6 +107,8 @@ class Solid final : public SurfaceRegion {
   }
 
   std::string text_;
+  TriangleDistance distance_;
+  SideGrid sides_;
 };
 
 std::string at(const Points& vertices, int row) {

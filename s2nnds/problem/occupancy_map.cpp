@@ -43,7 +43,6 @@ class FlatYaml {
     return found->second[0];
   }
   double number(const std::string& key) const { return as_number(text(key), key); }
-  double number(const std::string& key, double otherwise) const { return has(key) ? number(key) : otherwise; }
   std::vector<double> numbers(const std::string& key, std::size_t count) const {
     const auto found = values_.find(key);
     check(found != values_.end() && found->second.size() == count, "{}: expected {} numbers of the key {}",
@@ -123,11 +122,12 @@ OccupancyMap read_occupancy_map(const std::string& name, RegionFiles& files) {
   const std::string mode = yaml.has("mode") ? yaml.text("mode") : "trinary";
   check(mode == "trinary" || mode == "scale", "{}: found the mode {}, expected trinary or scale", name,
         shown(mode));
-  const double occupied = yaml.number("occupied_thresh", 0.65), free = yaml.number("free_thresh", 0.196);
+  // No thresholds are guessed: a file that was cut off would be another map.
+  const double occupied = yaml.number("occupied_thresh"), free = yaml.number("free_thresh");
   check(0.0 <= free && free < occupied && occupied <= 1.0,
         "{}: found free_thresh {} and occupied_thresh {}, expected 0 <= free_thresh < occupied_thresh <= 1",
         name, free, occupied);
-  const double negate = yaml.number("negate", 0.0);
+  const double negate = yaml.number("negate");
   check(negate == 0.0 || negate == 1.0, "{}: found negate {}, expected 0 or 1", name, negate);
   OccupancyMap map;
   map.resolution = yaml.number("resolution");

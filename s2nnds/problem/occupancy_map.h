@@ -22,7 +22,7 @@ struct OccupancyMap {
 };
 
 // Reads a map of ROS's map_server: YAML with image (PGM, text or binary, 8 bits), resolution, origin (x, y,
-// yaw), negate, occupied_thresh and free_thresh (0.65 and 0.196 where they are missing), mode trinary or scale.
+// yaw), negate, occupied_thresh and free_thresh, mode trinary or scale.
 // `name` is that of the YAML file in `files`; the image counts from its folder. Throws Error where a file is not
 // whole or a value is missing or not as said here.
 OccupancyMap read_occupancy_map(const std::string& name, RegionFiles& files);

@@ -50,8 +50,7 @@ void SurfaceRegion::evaluate(const Points& x, Vector& level) const {
   level.resize(x.rows());
   for (Eigen::Index k = 0; k < x.rows(); ++k) {
     const Position at = x.row(k).transpose();
-    level[k] =
-        at.allFinite() ? side(at) * surface_.rounded_distance(at) : std::numeric_limits<double>::quiet_NaN();
+    level[k] = at.allFinite() ? side(at) * rounded_distance(at) : std::numeric_limits<double>::quiet_NaN();
   }
 }
 

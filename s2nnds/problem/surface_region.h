@@ -18,6 +18,8 @@ class SurfaceRegion : public Region {
  protected:
   // -1 inside, 1 outside, proved in interval arithmetic; 0 where that could not be said, near the surface.
   virtual int side(const Position& x) const = 0;
+  // The distance to the surface, up to rounding; no proof rests on it.
+  virtual double rounded_distance(const Position& x) const { return surface_.rounded_distance(x); }
   const SimplexSet& surface() const { return surface_; }
 
   void evaluate(const Points& x, Vector& level) const override;

@@ -6,6 +6,9 @@
 #include "region_attack.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/problem/mesh_file.h"
+#include "s2nnds/problem/region_sampler.h"
+#include "s2nnds/problem/simplex_set.h"
+#include "s2nnds/problem/triangle_distance.h"
 
 namespace s2nnds {
 namespace {
@@ -228,6 +231,80 @@ TEST(Solid, ManyTrianglesAreQuick) {
     EXPECT_NEAR(sphere->level(box.center().transpose())[0], level, 2e-3);
     if (std::abs(level) > 1.02 * half_diagonal(box) + 2e-3) {
       EXPECT_EQ(sphere->classify(box), level > 0.0 ? Location::outside : Location::inside);
+    }
+  }
+}
+
+// A sphere of 20 x 40 patches about (0.1, 0.2, 0.3).
+TriangleMesh round_mesh() {
+  constexpr int kRings = 20, kColumns = 40;
+  TriangleMesh mesh{Points((kRings - 1) * kColumns + 2, 3), Eigen::MatrixXi(2 * kColumns * (kRings - 1), 3)};
+  const int top = (kRings - 1) * kColumns, bottom = top + 1;
+  for (int i = 1; i < kRings; ++i) {
+    for (int j = 0; j < kColumns; ++j) {
+      const double a = M_PI * i / kRings, b = 2 * M_PI * j / kColumns;
+      mesh.vertices.row((i - 1) * kColumns + j) << std::sin(a) * std::cos(b), std::sin(a) * std::sin(b),
+          std::cos(a);
+    }
+  }
+  mesh.vertices.row(top) << 0, 0, 1;
+  mesh.vertices.row(bottom) << 0, 0, -1;
+  int k = 0;
+  for (int i = 0; i < kRings; ++i) {
+    for (int j = 0; j < kColumns; ++j) {
+      const auto at = [&](int ring, int column) {
+        return ring == 0 ? top : ring == kRings ? bottom : (ring - 1) * kColumns + column % kColumns;
+      };
+      if (i > 0) mesh.triangles.row(k++) << at(i, j), at(i + 1, j), at(i, j + 1);
+      if (i + 1 < kRings) mesh.triangles.row(k++) << at(i, j + 1), at(i + 1, j), at(i + 1, j + 1);
+    }
+  }
+  mesh.vertices = (0.4 * mesh.vertices).rowwise() + Eigen::RowVector3d(0.1, 0.2, 0.3);
+  return mesh;
+}
+
+TEST(Solid, LevelIsTheDistanceAndTheSideOfEnclosures) {
+  const TriangleMesh mesh = round_mesh();
+  const SimplexSet surface(mesh.vertices, mesh.triangles);
+  const RegionPtr region = solid(mesh, "ball");
+  RandomStream random(5, "levels");
+  const Points x = uniform_points(Box::cube(3, 1.0), 4000, random);
+  const Vector level = region->level(x);
+  int inside = 0;
+  for (Eigen::Index k = 0; k < x.rows(); ++k) {
+    const Interval distance = surface.distance(x.row(k).transpose());
+    EXPECT_NEAR(std::abs(level[k]), distance.upper, 1e-12);
+    const double from_center = (x.row(k) - Eigen::RowVector3d(0.1, 0.2, 0.3)).norm();
+    if (from_center > 0.4) {
+      EXPECT_GT(level[k], 0);
+    }
+    if (from_center < 0.39) {
+      EXPECT_LT(level[k], 0);
+      ++inside;
+    }
+    const Box point{x.row(k).transpose(), x.row(k).transpose()};
+    const Interval exact = region->enclosure(point);
+    EXPECT_LE(exact.lower, level[k] + 1e-12);
+    EXPECT_GE(exact.upper, level[k] - 1e-12);
+  }
+  EXPECT_GT(inside, 50);
+}
+
+TEST(TriangleDistance, IsThatOfTheNearestPointAlsoOfTrianglesWithoutArea) {
+  RandomStream random(6, "triangles");
+  for (int k = 0; k < 300; ++k) {
+    Points corners = uniform_points(Box::cube(3, 1.0), 3, random);
+    if (k % 3 == 1) corners.row(2) = 0.5 * (corners.row(0) + corners.row(1));
+    if (k % 3 == 2) corners.row(2) = corners.row(0);
+    Eigen::MatrixXi triangle(1, 3);
+    triangle << 0, 1, 2;
+    const TriangleDistance distance(corners, triangle);
+    const SimplexSet exact(corners, triangle);
+    const Points x = uniform_points(Box::cube(3, 2.0), 20, random);
+    for (Eigen::Index i = 0; i < x.rows(); ++i) {
+      const Interval bounds = exact.distance(x.row(i).transpose());
+      EXPECT_LE(distance(x.row(i).transpose()), bounds.upper + 1e-9);
+      EXPECT_GE(distance(x.row(i).transpose()), bounds.lower - 1e-9);
     }
   }
 }
