@@ -71,6 +71,9 @@ std::string read_config_text(const std::string& path) {
   std::ostringstream text;
   text << file.rdbuf();
   check(!file.bad(), "{}: cannot read it", path);
+  // Every key has a default: an empty file would train the shipped example.
+  check(text.str().find_first_not_of(" \t\r\n") != std::string::npos,
+        "{}: found an empty file; expected a configuration (s2nnds new writes one)", path);
   return text.str();
 }
 

@@ -255,7 +255,7 @@ class FormatsTest(RecordingsTest):
         write_text(self.path("my.toml"), text[: text.index("]\n")])
         self.assert_bad("my.toml:")
         write_text(self.path("my.toml"), "")
-        self.assert_bad("name")
+        self.assert_bad("my.toml", "empty file")
 
 
 class NumbersTest(RecordingsTest):
