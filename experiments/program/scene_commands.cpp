@@ -200,16 +200,18 @@ DataOptions data_options(const NewArguments& arguments, const std::string& data_
   DataOptions data;
   data.source = source_of_all(arguments.sources, data_dir);
   const std::vector<std::string> paths = paths_of(arguments.sources, data_dir);
-  if (data.source == "mat") {
-    check(paths.size() == 1, "new: found {} MATLAB files; expected one", paths.size());
+  if (data.source == "mat" && paths.size() == 1) {
     data.file = paths.front();
-    data.source = "lasa";
-    try {
-      read_demonstrations(data, data_dir);
-    } catch (const Error&) {
-      data.source = "ds_opt";
+    for (const char* const layout : {"lasa", "ds_opt"}) {
+      data.source = layout;
+      try {
+        read_demonstrations(data, data_dir);
+        return data;
+      } catch (const Error&) {  // another layout
+      }
     }
-    return data;
+    data.file.clear();
+    data.source = "mat";
   }
   data.files = paths;
   data.unit = arguments.unit;

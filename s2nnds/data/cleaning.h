@@ -14,7 +14,7 @@ namespace s2nnds {
 // What is done to recordings before they are demonstrations. Every step reports what it did; a value of 0
 // switches a step with a threshold off.
 struct CleaningOptions {
-  // on, off, or auto: on for csv, npy and hdf5, off for the published and the shipped data sets.
+  // on, off, or auto: on for csv, npy, mat and hdf5, off for the published and the shipped data sets.
   std::string steps = "auto";
   bool missing = true;         // drop samples with a number that is NaN, infinite or missing
   double most_missing = 0.2;   // largest share of samples that may be dropped so, in [0, 1]

@@ -13,7 +13,7 @@ namespace s2nnds {
 // Which columns of a file are what. A column is a name of the file, or its number from 0 as text ("2"). What
 // is not named is recognised where the file's names are usual ones (time, Time, %time, t, stamp; x y z, px py,
 // pos_x pos_y, pose.position.x, x1 x2 ..., q1 q2 ...; vx vy, dx dy, twist.linear.x; episode, demo). In npz files
-// they are names of arrays, in hdf5 files of data sets in each demonstration's group, `index` their parent.
+// they are names of arrays, in mat files of variables or of the fields of `index`, in hdf5 files of data sets in each demonstration's group, `index` their parent.
 struct ColumnOptions {
   std::string time;                   // of the times; none where data.rate counts them
   std::vector<std::string> position;  // of the positions, one a coordinate

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -162,7 +164,179 @@ double time_step(MatlabFile& file, const std::string& path) {
   return dt(0);
 }
 
+// The numbers of a real matrix of any class as doubles: [columns, rows], as matrix().
+template <typename Number>
+Points converted(const matvar_t& variable) {
+  const auto rows = static_cast<Eigen::Index>(variable.dims[0]);
+  const auto columns = static_cast<Eigen::Index>(variable.dims[1]);
+  const auto* const numbers = static_cast<const Number*>(variable.data);
+  Points made(columns, rows);
+  for (Eigen::Index i = 0; i < made.size(); ++i) made.data()[i] = static_cast<double>(numbers[i]);
+  return made;
+}
+
+Points any_matrix(const matvar_t* variable, const std::string& where, const MatlabFile& file) {
+  const bool real = variable != nullptr && variable->isComplex == 0 && variable->rank == 2 &&
+                    variable->data != nullptr && variable->class_type != MAT_C_DOUBLE;
+  const auto holds = [&](matio_types type, std::size_t size) {
+    return real && variable->data_type == type &&
+           static_cast<double>(variable->nbytes) == static_cast<double>(variable->dims[0]) *
+                                                        static_cast<double>(variable->dims[1]) *
+                                                        static_cast<double>(size);
+  };
+  if (holds(MAT_T_SINGLE, 4)) return converted<float>(*variable);
+  if (holds(MAT_T_INT32, 4)) return converted<std::int32_t>(*variable);
+  if (holds(MAT_T_INT64, 8)) return converted<std::int64_t>(*variable);
+  if (holds(MAT_T_UINT32, 4)) return converted<std::uint32_t>(*variable);
+  if (holds(MAT_T_UINT64, 8)) return converted<std::uint64_t>(*variable);
+  return file.matrix(variable, where);
+}
+
+// Recordings in variables or fields that have names.
+class NamedMatrices {
+ public:
+  NamedMatrices(const std::string& path, const TableOptions& options)
+      : path_(path),
+        options_(options),
+        file_(path, "matrices named time and position, or as data.columns says, [M, n] or [n, M]") {}
+
+  void read(RecordingSet& set) {
+    const std::string& index = options_.columns.index;
+    if (index.empty()) {
+      read_variables(set);
+    } else {
+      read_members(set, index);
+    }
+  }
+
+ private:
+  // The variable or field of this name, or null.
+  using Find = std::function<const matvar_t*(const std::string& name)>;
+
+  // One demonstration, or one a cell where the positions are a cell array.
+  void read_variables(RecordingSet& set) {
+    const Names position =
+        names_of(options_.columns.position, {"position", "positions", "pos", "x", "xyz", "q"});
+    const matvar_t* const first = any(position, [this](const std::string& name) { return variable(name); });
+    const bool many = first != nullptr && first->class_type == MAT_C_CELL;
+    const std::size_t parts = many ? count(first) : 1;
+    for (std::size_t k = 0; k < parts; ++k) {
+      const auto find = [&](const std::string& name) -> const matvar_t* {
+        matvar_t* const found = variable(name);
+        if (found == nullptr || found->class_type != MAT_C_CELL) return found;
+        return k < count(found) ? Mat_VarGetCell(found, static_cast<int>(k)) : nullptr;
+      };
+      add(set, find, many ? fmt::format("{}: cell {}", path_, k) : path_);
+    }
+  }
+
+  // One demonstration a structure of a structure array, or of a cell array.
+  void read_members(RecordingSet& set, const std::string& index) {
+    matvar_t* const members = variable(index);
+    const bool cells = members != nullptr && members->class_type == MAT_C_CELL;
+    check(members != nullptr && members->data != nullptr && (cells || members->class_type == MAT_C_STRUCT),
+          "{}: found no cell array or structure array '{}'; expected the one that data.columns.index names",
+          path_, index);
+    for (std::size_t k = 0; k < count(members); ++k) {
+      const std::string where = fmt::format("{}: {}({})", path_, index, k + 1);
+      matvar_t* const one = cells ? Mat_VarGetCell(members, static_cast<int>(k)) : members;
+      check(one != nullptr && one->class_type == MAT_C_STRUCT && (!cells || count(one) == 1),
+            "{}: found no structure; expected one with the fields of a demonstration", where);
+      add(
+          set,
+          [&](const std::string& name) -> const matvar_t* {
+            return Mat_VarGetStructFieldByName(one, name.c_str(), cells ? 0 : k);
+          },
+          where);
+    }
+  }
+
+  using Names = std::vector<std::string>;
+  static Names names_of(const Names& wanted, const Names& usual) { return wanted.empty() ? usual : wanted; }
+
+  const matvar_t* any(const Names& names, const Find& find) const {
+    for (const std::string& name : names)
+      if (const matvar_t* const found = find(name); found != nullptr) return found;
+    return nullptr;
+  }
+
+  matvar_t* variable(const std::string& name) {
+    const auto [place, is_new] = read_.try_emplace(name, nullptr);
+    if (is_new) place->second = file_.read(name.c_str());
+    return place->second;
+  }
+
+  // The matrices of these names, samples in rows, side by side; of `usual` names the first that is there. `samples`:
+  // 0 where not known.
+  Points matrices(const Find& find, const Names& wanted, const Names& usual, Eigen::Index samples,
+                  std::string_view key, const std::string& where) const {
+    if (wanted.empty()) {
+      const matvar_t* const found = any(usual, find);
+      check(found != nullptr, "{}: found no '{}'; expected it, or another name in data.columns.{}", where,
+            usual.front(), key);
+      return upright(any_matrix(found, where, file_), samples, key, where);
+    }
+    Points all;
+    for (const std::string& name : wanted) {
+      const matvar_t* const found = find(name);
+      check(found != nullptr, "{}: found no '{}'; expected it as data.columns.{} says", where, name, key);
+      const Points one = upright(any_matrix(found, where + ": " + name, file_),
+                                 samples > 0 ? samples : all.rows(), key, where);
+      const Eigen::Index before = all.cols();
+      all.conservativeResize(one.rows(), before + one.cols());
+      all.rightCols(one.cols()) = one;
+    }
+    return all;
+  }
+
+  // [M, n] of a matrix that may be written either way; where the number of samples is not known, the longer side.
+  static Points upright(Points m, Eigen::Index samples, std::string_view key, const std::string& where) {
+    if (samples == 0) samples = std::max(m.rows(), m.cols());
+    check(m.rows() == samples || m.cols() == samples, "{}: found a {} of [{}, {}]; expected {} samples",
+          where, key, m.cols(), m.rows(), samples);
+    // matrix() has exchanged the sides.
+    if (m.cols() == samples) return m.transpose();
+    return m;
+  }
+
+  void add(RecordingSet& set, const Find& find, const std::string& where) const {
+    const ColumnOptions& wanted = options_.columns;
+    const auto as_names = [](const std::string& name) { return name.empty() ? Names{} : Names{name}; };
+    Recording r{where, "", 0, {}, {}, {}};
+    if (options_.rate <= 0) {
+      r.time_column = wanted.time.empty() ? "time" : wanted.time;
+      const Points time =
+          matrices(find, as_names(wanted.time), {"time", "t", "times", "timestamps"}, 0, "time", where);
+      check(time.cols() == 1, "{}: found times of [{}, {}]; expected one a sample", where, time.rows(),
+            time.cols());
+      r.time = time.col(0);
+    }
+    r.position = matrices(find, wanted.position, {"position", "positions", "pos", "x", "xyz", "q"},
+                          r.time.size(), "position", where);
+    if (options_.rate > 0)
+      r.time = Vector::LinSpaced(r.samples(), 0, static_cast<double>(r.samples() - 1) / options_.rate);
+    const Names velocity = {"velocity", "velocities", "vel"};
+    const bool none = wanted.velocity == Names{"none"};
+    if (!none && (!wanted.velocity.empty() || any(velocity, find) != nullptr))
+      r.velocity = matrices(find, wanted.velocity, velocity, r.samples(), "velocity", where);
+    set.recordings.push_back(std::move(r));
+  }
+
+  std::string path_;
+  const TableOptions& options_;
+  MatlabFile file_;
+  std::map<std::string, matvar_t*> read_;
+};
+
 }  // namespace
+
+RecordingSet read_mat(const std::vector<std::string>& paths, const TableOptions& options) {
+  check(!paths.empty(), "mat: found no files; expected at least one (data.files)");
+  RecordingSet set{stem(paths.front()), ""};
+  if (options.rate > 0) set.time_unit = 1;
+  for (const std::string& path : paths) NamedMatrices(path, options).read(set);
+  return set;
+}
 
 RecordingSet read_lasa(const std::string& path) {
   MatlabFile file(path, "a LASA file, demos{k} with fields pos [n, M], t [1, M] and vel [n, M]");

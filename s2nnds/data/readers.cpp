@@ -46,7 +46,9 @@ RecordingSet as_recordings(const DemonstrationSet& set) {
 }
 
 // Of recordings that people made themselves: units may be wrong, samples may be lost.
-bool is_raw(const std::string& source) { return source == "csv" || source == "npy" || source == "hdf5"; }
+bool is_raw(const std::string& source) {
+  return source == "csv" || source == "npy" || source == "mat" || source == "hdf5";
+}
 
 RecordingSet read_hdf5_files(const std::vector<std::string>& paths, const TableOptions& options,
                              const ReadingProgress& progress) {
@@ -66,6 +68,7 @@ RecordingSet read_raw(const DataOptions& options, const std::string& data_dir,
   };
   if (options.source == "csv") return read_csv(files({".csv", ".txt", ".tsv", ".dat"}), options, progress);
   if (options.source == "npy") return read_npy(files({".npy", ".npz"}), options);
+  if (options.source == "mat") return read_mat(files({".mat"}), options);
   return read_hdf5_files(files({".h5", ".hdf5"}), options, progress);
 }
 
@@ -104,7 +107,7 @@ DemonstrationSet clean_all(const RecordingSet& recordings, const DataOptions& op
 }  // namespace
 
 void DataOptions::visit(FieldVisitor& v) {
-  v.field("source", source, {"handwriting", "lasa", "ds_opt", "csv", "npy", "hdf5"});
+  v.field("source", source, {"handwriting", "lasa", "ds_opt", "csv", "npy", "mat", "hdf5"});
   if (source == "handwriting") {
     v.field("motion", motion, handwriting_motions());
   } else if (is_raw(source)) {

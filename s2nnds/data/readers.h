@@ -25,15 +25,15 @@ struct TableOptions {
 
 // Which demonstrations to read, and what to do with them.
 struct DataOptions : TableOptions {
-  std::string source = "handwriting";  // handwriting (shipped, synthetic), lasa, ds_opt, csv, npy, hdf5
+  std::string source = "handwriting";  // handwriting (shipped, synthetic), lasa, ds_opt, csv, npy, mat, hdf5
   std::string file;                    // lasa, ds_opt: one file, relative to the data directory
   std::string motion = "Sine";         // handwriting: Sine, S, C, N, Spiral, Helix
-  // csv, npy, hdf5: files, folders or patterns (d*.csv), relative to the data directory; in a csv file, a new value
+  // csv, npy, mat, hdf5: files, folders or patterns (d*.csv), relative to the data directory; in a csv file, a new value
   // of data.columns.index and blank lines begin a new demonstration.
   std::vector<std::string> files;
   std::string time_unit = "auto";  // of times in the files: s, ms, us, ns; auto: recognised, and reported
   std::int64_t stride = 1;         // >= 1: keep every stride-th sample (and the last one)
-  std::string unit;  // csv, npy, hdf5: of length in the files: m, mm, cm, rad, deg or another text
+  std::string unit;  // csv, npy, mat, hdf5: of length in the files: m, mm, cm, rad, deg or another text
   // Where the motion's goal lies: "mean" (of the demonstrations' ends), or a point [n] in `unit`, both of which
   // leave the demonstrations where they are; or "each": every demonstration is moved to end at the mean.
   WordOrNumbers goal = {"mean"};
@@ -46,7 +46,7 @@ struct DataOptions : TableOptions {
   // spoil their figures.
   std::vector<std::int64_t> validation;
   CleaningOptions cleaning;    // what is done to recordings first; positions that are left stay as they are
-  PlausibilityOptions limits;  // csv, npy, hdf5: what no arm does is refused
+  PlausibilityOptions limits;  // csv, npy, mat, hdf5: what no arm does is refused
 
   void visit(FieldVisitor& v);  // names only the keys that `source` has
 };
@@ -73,6 +73,11 @@ RecordingSet read_ds_opt(const std::string& path);
 // Numbers use the decimal point in every locale. Several demonstrations in a file: see DataOptions::files.
 RecordingSet read_csv(const std::vector<std::string>& paths, const TableOptions& options = {},
                       const ReadingProgress& progress = {});
+
+// MATLAB (5 to 7.3), any layout: matrices [M, n] or [n, M] of real numbers named time, position and, optionally,
+// velocity, or as options.columns says (several positions stand side by side): variables, of which cell arrays hold a
+// demonstration a cell; or the fields of the structures in the structure or cell array options.columns.index.
+RecordingSet read_mat(const std::vector<std::string>& paths, const TableOptions& options = {});
 
 // NumPy. An .npy file is a table [M, columns], or [K, M, columns] of K demonstrations, whose columns are told by
 // number as those of a CSV file without header. An .npz file has arrays time [M] or [K, M], position [M, n]

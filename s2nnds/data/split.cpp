@@ -45,7 +45,8 @@ Split split_demonstrations(std::size_t count, const std::vector<std::int64_t>& t
     if (std::find(held_out.begin(), held_out.end(), k) == held_out.end()) split.train.push_back(k);
   }
   check(!split.train.empty(),
-        "data.test, data.validation: found {} of {} demonstrations held out; expected at least 1 left to train on",
+        "data.test, data.validation: found {} of {} demonstrations held out; expected at least 1 left to "
+        "train on",
         held_out.size(), count);
   return split;
 }

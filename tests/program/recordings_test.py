@@ -337,6 +337,37 @@ class NumbersTest(RecordingsTest):
         self.of_files("npy", "log.npz")
         self.assert_bad("log.npz", "'tcp'", "data.columns.position")
 
+    def test_matlab_variables(self):
+        """Variables of any name, rows or columns; cell arrays; structure arrays."""
+        t, x = motion()
+        scipy.io.savemat(self.path("a.mat"), {"time": t[:, None], "position": x})
+        scipy.io.savemat(self.path("b.mat"), {"t": t[None], "pos": np.float32(x.T)})
+        self.of_files("mat", "a.mat", "b.mat")
+        self.assertEqual(self.assert_good()["demonstrations"], 2)
+        scipy.io.savemat(self.path("c.mat"), {"stamp": np.int64(1000 * t), "px": x[:, 0], "py": x[:, 1]})
+        self.of_files("mat", "c.mat", more='columns = { time = "stamp", position = ["px", "py"] }\ntime_unit = "ms"')
+        self.assert_good()
+        self.assert_bad("c.mat", "'tcp'", "data.columns.position", settings=['data.columns.position=["tcp"]'])
+        self.of_files("mat", "c.mat")
+        self.assert_bad("c.mat", "'time'", "data.columns.time")
+        cells = {"t": np.empty(3, dtype=object), "x": np.empty(3, dtype=object)}
+        for k in range(3):
+            cells["t"][k], cells["x"][k] = motion(k)
+        scipy.io.savemat(self.path("d.mat"), cells)
+        self.of_files("mat", "d.mat")
+        self.assertEqual(self.assert_good()["demonstrations"], 3)
+        members = np.array([(t, x, "note") for _ in range(2)], dtype=[("time", object), ("tcp", object), ("who", object)])
+        scipy.io.savemat(self.path("e.mat"), {"demos": members})
+        self.of_files("mat", "e.mat", more='columns = { index = "demos", position = ["tcp"] }')
+        self.assertEqual(self.assert_good()["demonstrations"], 2)
+        self.assert_bad("e.mat", "'runs'", "data.columns.index", settings=['data.columns.index="runs"'])
+        self.assert_bad("e.mat: demos(1): who", settings=['data.columns.position=["who"]'])
+        code, out, err = self.call("new", "a.mat", "--out", "new.toml")
+        self.assertEqual(code, 0, err)
+        self.assertIn("1 demonstration(s) in 2 dimensions", out)
+        truncate(self.path("e.mat"))
+        self.assert_bad("e.mat")
+
     def test_dimensions_that_differ(self):
         write_text(self.path("d0.csv"), csv_text(table()))
         write_text(self.path("d1.csv"), csv_text(table(dimension=3), "t,x,y,z"))
