@@ -85,15 +85,6 @@ void log_clearances(const PreparedRun& setup) {
     spdlog::info("clearance of demonstration {}: {}", k, texts[k]);
 }
 
-// What no training can mend: recordings that no law x' = f(x) can follow, a proof in too many dimensions.
-void log_problems(const PreparedRun& setup) {
-  DemonstrationSet as_read{setup.config.name, setup.data.frame.unit, setup.data.demonstrations};
-  for (const std::string& text : warnings_of(survey(as_read), as_read.unit))
-    spdlog::warn("PROBLEM: {}", text);
-  if (const std::string text = dimension_warning(setup.config, setup.data.dimension); !text.empty())
-    spdlog::warn("PROBLEM: {}", text);
-}
-
 // Whether the run has at least the guarantee that this method can give.
 int exit_code(Method method, const PreparedRun& setup, const RunRecord& record) {
   const Guarantee wanted = method == Method::sampled        ? Guarantee::sampled
@@ -122,6 +113,8 @@ void look_before_training(const PreparedRun& setup, const std::string& source) {
   const Survey found =
       survey({.name = setup.config.name, .unit = "", .demonstrations = setup.data.demonstrations});
   for (const std::string& text : warnings_of(found, setup.data.frame.unit)) spdlog::warn("{}", text);
+  if (const std::string text = dimension_warning(setup.config, setup.data.dimension); !text.empty())
+    spdlog::warn("{}", text);
 }
 
 struct TrainingStart {
@@ -170,7 +163,6 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
   hooks.until_certified = arguments.until == "certified";
   hooks.checkpoint = [&](const RunRecord& record) { save_run(start.path, record); };
   spdlog::info("{}", frame_line(start.record));
-  log_problems(start.setup);
   log_clearances(start.setup);
   if (arguments.resume.empty()) look_before_training(start.setup, arguments.config);
   const TrainerSummary summary = s2nnds::train(start.setup, start.record, hooks);
