@@ -32,8 +32,12 @@ def interpret_onnx(model, x):
         "Elu": lambda a: np.where(a > 0, a, np.expm1(a)),
         "Squeeze": lambda a, axes: a.squeeze(tuple(axes)),
         "ReduceSum": lambda a, axes: a.sum(tuple(axes)),
+        "ReduceMin": lambda a: a.min(1),  # axes = [1], keepdims = 0
+        "And": lambda a, b: a & b,
+        "GreaterOrEqual": lambda a, b: a >= b,
+        "LessOrEqual": lambda a, b: a <= b,
     }
-    types = {1: np.float32, 11: np.float64}
+    types = {1: np.float32, 9: np.bool_, 11: np.float64}
     for node in model.graph.node:
         if node.op_type == "Cast":
             values[node.output[0]] = values[node.input[0]].astype(types[node.attribute[0].i])
@@ -115,6 +119,7 @@ class ExportTest(ProgramTest):
                 for results in (interpret_onnx(model, x), run_onnx(out, x)):
                     if results is None:
                         continue  # no onnxruntime here
+                    np.testing.assert_array_equal(results[3][np.abs(results[2]) > 1e-4], run.safe(x)[np.abs(results[2]) > 1e-4])
                     for found, expected in zip(results, (run.data.velocity_scale * run.f(normalised), run.V(normalised), run.B(normalised))):
                         self.assertEqual(found.shape, expected.shape)
                         self.assertLess(np.abs(found - expected).max(), 1e-4 * max(1.0, np.abs(expected).max()))
