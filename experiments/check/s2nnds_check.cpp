@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// s2nnds-check RUN.h5 [POLICY ...]: checks the certificate of a run file with no code of the program that made it.
+// s2nnds-check FILE [POLICY ...]: checks the certificate of a run file, or of the proof that `verify --artifact` wrote,
+// with no code of the program that made it.
 #include <hdf5.h>
 #include <mpfr.h>
+#include <openssl/evp.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cfenv>
 #include <cmath>
@@ -12,14 +15,17 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
 namespace {
+using std::size_t, std::string;
+using Numbers = std::vector<double>;
 
-[[noreturn]] void fail(const std::string& found) { throw std::runtime_error(found); }
+[[noreturn]] void fail(const string& found) { throw std::runtime_error("found " + found); }
 
 // All arithmetic of this program runs while the processor rounds upward, on each thread. An interval is kept as its upper
 // bound and the negative of its lower bound, so that rounding upward moves both outward.
@@ -27,41 +33,33 @@ void round_up() {
   std::fesetenv(FE_DFL_ENV);  // no flush to zero
   std::fesetround(FE_UPWARD);
 }
-constexpr int lanes = 8;  // boxes side by side
-typedef double Lanes __attribute__((vector_size(lanes * sizeof(double))));
-Lanes all_lanes(double x) { return Lanes{x, x, x, x, x, x, x, x}; }
-Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
-Lanes magnitude(Lanes a) { return a < 0.0 ? -a : a; }
-double larger(double a, double b) { return a > b ? a : b; }
-
-// {x : -minus_lower <= x <= upper}; T is double or Lanes.
-template <typename T>
+// {x : -minus_lower <= x <= upper}
 struct Interval {
-  T upper = T{}, minus_lower = T{};
-  T size() const { return larger(larger(upper, minus_lower), T{}); }  // above |x|
-  friend Interval operator-(const Interval& a) { return {a.minus_lower, a.upper}; }
-  friend Interval operator+(const Interval& a, const Interval& b) {
-    return {a.upper + b.upper, a.minus_lower + b.minus_lower};
-  }
-  friend Interval operator-(const Interval& a, const Interval& b) { return a + (-b); }
-  friend Interval operator*(const Interval& a, const Interval& b) {
-    const T au = a.upper, al = a.minus_lower, bu = b.upper, bl = b.minus_lower;  // al and bl are negated
-    return {larger(larger(au * bu, -au * bl), larger(-al * bu, al * bl)),
-            larger(larger(-au * bu, au * bl), larger(al * bu, -al * bl))};
-  }
+  double upper = 0.0, minus_lower = 0.0;
+  double size() const { return std::max(upper, minus_lower); }  // |x| is at most this
 };
-template <typename T>
-Interval<T> point(T x) {
-  return {x, -x};
-}
-using Number = Interval<double>;
-using Row = Interval<Lanes>;
+using Intervals = std::vector<Interval>;
 
-Number operator/(const Number& a, const Number& b) {
-  if (!(-b.minus_lower > 0.0 || b.upper < 0.0)) return {INFINITY, INFINITY};
-  return a * Number{1.0 / -b.minus_lower, -1.0 / b.upper};
+Interval at(double x) { return {x, -x}; }
+Interval around_zero(double size) { return {size, size}; }
+Interval operator-(Interval a) { return {a.minus_lower, a.upper}; }
+Interval operator+(Interval a, Interval b) { return {a.upper + b.upper, a.minus_lower + b.minus_lower}; }
+Interval operator-(Interval a, Interval b) { return a + (-b); }
+Interval operator*(Interval a, Interval b) {
+  const double au = a.upper, al = a.minus_lower, bu = b.upper, bl = b.minus_lower;  // al and bl are negated
+  return {std::max(std::max(au * bu, -au * bl), std::max(-al * bu, al * bl)),
+          std::max(std::max(-au * bu, au * bl), std::max(al * bu, -al * bl))};
 }
-
+Interval positive_inverse(Interval a) { return {1.0 / -a.minus_lower, -1.0 / a.upper}; }
+Interval maximum(Interval a, Interval b) {
+  return {std::max(a.upper, b.upper), -std::max(-a.minus_lower, -b.minus_lower)};
+}
+// y += w x
+void add_multiple(double w, Interval x, Interval& y) {
+  const double size = std::fabs(w);
+  y.upper += size * (w < 0.0 ? x.minus_lower : x.upper);
+  y.minus_lower += size * (w < 0.0 ? x.upper : x.minus_lower);
+}
 // Encloses tanh by a table of values that MPFR rounded down and up, and Taylor's theorem in between.
 class Tanh {
  public:
@@ -69,299 +67,340 @@ class Tanh {
     mpfr_t z, t;
     mpfr_inits2(53, z, t, static_cast<mpfr_ptr>(nullptr));
     for (int k = 0; k <= static_cast<int>(2 * reach / spacing); ++k) {
-      mpfr_set_d(z, k * spacing - reach,
-                 MPFR_RNDN);  // exact: spacing and reach are sums of few powers of two
+      mpfr_set_d(z, k * spacing - reach, MPFR_RNDN);  // exact: sums of few powers of two
       mpfr_tanh(t, z, MPFR_RNDU);
-      const double upper = mpfr_get_d(t, MPFR_RNDU);
+      upper_.push_back(mpfr_get_d(t, MPFR_RNDU));
       mpfr_tanh(t, z, MPFR_RNDD);
-      table_.push_back({upper, -mpfr_get_d(t, MPFR_RNDD)});
+      minus_lower_.push_back(-mpfr_get_d(t, MPFR_RNDD));
     }
     mpfr_clears(z, t, static_cast<mpfr_ptr>(nullptr));
   }
-  Number operator()(const Number& z) const {
-    const double low = -z.minus_lower, high = z.upper;
-    if (!(low <= high)) return {NAN, NAN};
-    if (low > reach) return {1.0, table_.back().minus_lower};
-    if (high < -reach) return {table_.front().upper, 1.0};
-    if (!(high - low < spacing) || low < -reach || high > reach) return {1.0, 1.0};
-    const auto k = static_cast<std::size_t>(std::lround((0.5 * (low + high) + reach) / spacing));
-    const Number one = point(1.0), t = table_[k], square = t * t, first = one - square;
-    const Number second = point(-2.0) * t * first, third = first * (point(6.0) * square - point(2.0));
-    const Number d = z - point(double(k) * spacing - reach), d2 = d * d;
+  Interval operator()(Interval z) const {
+    const double middle = 0.5 * (z.upper - z.minus_lower);
+    const size_t k = std::fabs(middle) <= reach ? std::lround((middle + reach) / spacing) : 0;
+    const Interval t{upper_[k], minus_lower_[k]}, d = z - at(static_cast<double>(k) * spacing - reach);
+    if (!(d.size() <= spacing))
+      return {z.upper < -reach ? upper_.front() : 1.0, -z.minus_lower > reach ? minus_lower_.back() : 1.0};
+    const Interval third{0.33333333333333337, -0.3333333333333333}, d2 = d * d, first = at(1.0) - t * t;
     // The fourth derivative is below 4.1, and 4.1 / 24 < 0.171.
-    const Number sixth{0.16666666666666669, -0.16666666666666665}, rest = point(0.171) * d2 * d2;
-    return t + first * d + point(0.5) * second * d2 + sixth * third * d2 * d +
-           Number{rest.size(), rest.size()};
+    return t + first * d - t * first * d2 + first * (t * t - third) * d2 * d +
+           around_zero(0.171 * d2.upper * d2.upper);
   }
 
  private:
   static constexpr double spacing = 1.0 / 512, reach = 20.0;
-  std::vector<Number> table_;  // at -reach, -reach + spacing, ...
+  Numbers upper_, minus_lower_;  // at -reach, -reach + spacing, ...
 };
-
-// Eight boxes |x - center| <= half; centres are doubles, half-widths are rounded up.
-struct Boxes {
-  std::vector<Lanes> center, half;  // [n]
-};
-
-// A mean-value form of one quantity on each box: it lies in value + slope . (x - center) + [-rest, rest].
-struct Form {
-  Row value;
-  std::vector<Row> slope;  // [n]
-  Lanes rest = all_lanes(0.0);
-
-  // Above |slope . (x - center)| + rest.
-  Lanes spread(const Boxes& boxes) const {
-    Lanes sum = rest;
-    for (std::size_t d = 0; d < slope.size(); ++d) sum += slope[d].size() * boxes.half[d];
-    return sum;
-  }
-  Row range(const Boxes& boxes) const { return value + Row{spread(boxes), spread(boxes)}; }
-};
-struct Layer {
-  std::vector<std::vector<double>> weight;  // [out][in]
-  std::vector<double> bias;                 // [out] or empty
-  bool tanh = false;                        // else the identity
-};
-
-// As the run file has it: N(x), N(x) - N(0) or |N(x) - N(0)|^2 + quadratic |x|^2.
-struct Network {
-  std::vector<Layer> layers;
-  std::string head;
-  double quadratic = 0.0;
-
-  std::size_t inputs() const { return layers.front().weight.front().size(); }
-  std::size_t outputs() const { return layers.back().weight.size(); }
-};
-
-Row row(const Number& x) { return {all_lanes(x.upper), all_lanes(x.minus_lower)}; }
-
-// y += w x, w a number.
-void add_multiple(double w, const Row& x, Row& y) {
-  if (w >= 0.0) {
-    y.upper += w * x.upper;
-    y.minus_lower += w * x.minus_lower;
-  } else {
-    y.upper += -w * x.minus_lower;
-    y.minus_lower += -w * x.upper;
-  }
-}
-void add_multiple(double w, const Form& x, Form& y) {
-  add_multiple(w, x.value, y.value);
-  for (std::size_t d = 0; d < x.slope.size(); ++d) add_multiple(w, x.slope[d], y.slope[d]);
-  y.rest += std::fabs(w) * x.rest;
-}
-Form zero(std::size_t n) { return {Row{}, std::vector<Row>(n), all_lanes(0.0)}; }
-
-// a b, both forms: the product of the slopes' parts goes to the rest.
-void add_product(const Form& a, const Form& b, const Boxes& boxes, Form& sum) {
-  const Lanes a_spread = a.spread(boxes), b_spread = b.spread(boxes);
-  sum.value = sum.value + a.value * b.value;
-  for (std::size_t d = 0; d < a.slope.size(); ++d)
-    sum.slope[d] = sum.slope[d] + a.value * b.slope[d] + b.value * a.slope[d];
-  sum.rest += a.value.size() * b.rest + b.value.size() * a.rest + a_spread * b_spread;
-}
-
-// x itself: forms without rest.
-std::vector<Form> position(const Boxes& boxes) {
-  std::vector<Form> x;
-  for (std::size_t d = 0; d < boxes.center.size(); ++d) {
-    x.push_back(zero(boxes.center.size()));
-    x[d].value = point(boxes.center[d]);
-    x[d].slope[d] = point(all_lanes(1.0));
-  }
-  return x;
-}
-
-// A network whose layers' values, and their rates along a direction, are enclosed by mean-value forms: each neuron's
-// form follows from those of the layer before by interval arithmetic and Taylor's theorem.
-struct Enclosure {
-  const Network& network;
-  const Tanh& tanh;
-  std::vector<Number> offset = std::vector<Number>(network.outputs());  // N(0), or 0 for the head `plain`
-
-  Enclosure(const Network& of, const Tanh& table) : network(of), tanh(table) {
-    if (network.head == "plain") return;
-    const std::size_t n = network.inputs();
-    const Boxes origin{std::vector<Lanes>(n), std::vector<Lanes>(n)};
-    const std::vector<Form> at_zero = outputs(origin);
-    for (std::size_t i = 0; i < offset.size(); ++i) {
-      const Row range = at_zero[i].range(origin);
-      offset[i] = {range.upper[0], range.minus_lower[0]};
-    }
-  }
-
-  // tanh of z, whose forms become those of the outputs. With t = tanh(z0), its derivatives are 1 - t^2, then 2 t (1 - t^2)
-  // and (1 - t^2) (6 t^2 - 2) but for the sign, over the range t +- spread, for the first is at most 1.
-  void activate(const Boxes& boxes, std::vector<Form>& z, std::size_t width) const {
-    const Row one = point(all_lanes(1.0));
-    for (std::size_t i = 0; i < width; ++i) {
-      Form& a = z[i];
-      const Lanes spread = a.spread(boxes);
-      Row t;
-      for (int lane = 0; lane < lanes; ++lane) {
-        const Number value = tanh({a.value.upper[lane], a.value.minus_lower[lane]});
-        t.upper[lane] = value.upper;
-        t.minus_lower[lane] = value.minus_lower;
-      }
-      const Row first = one - t * t, second = row(point(-2.0)) * t * first;
-      // |tanh| lies within [least, high]; 1 - least^2 from above, where least^2 may have been rounded up.
-      const Lanes most = larger(t.upper, t.minus_lower) + spread, high = most < 1.0 ? most : all_lanes(1.0);
-      const Lanes least = larger(-(spread - larger(-t.upper, -t.minus_lower)), all_lanes(0.0));
-      const Lanes steepest = -(least * least - 1.0) + 1e-15, bend = 2.0 * high * steepest;
-      const Lanes at_high = 6.0 * high * high - 2.0, at_least = 6.0 * least * least - 2.0;
-      const Lanes third = steepest * (larger(magnitude(at_high), magnitude(at_least)) + 1e-14);
-      const Lanes square = 0.5 * spread * spread;
-      if (z.size() > width) {  // sigma'(z) zdot
-        Form& p = z[width + i];
-        const Lanes rate_spread = p.spread(boxes), rate_size = p.value.size() + rate_spread;
-        const Row cross = second * p.value;
-        p.rest = first.size() * p.rest + cross.size() * a.rest + second.size() * spread * rate_spread +
-                 (third < 2.0 ? third : all_lanes(2.0)) * square * rate_size;
-        for (std::size_t d = 0; d < p.slope.size(); ++d) p.slope[d] = first * p.slope[d] + cross * a.slope[d];
-        p.value = first * p.value;
-      }
-      a.rest = first.size() * a.rest + (bend < 0.77 ? bend : all_lanes(0.77)) * square;
-      for (Row& slope : a.slope) slope = first * slope;
-      a.value = t;
-    }
-  }
-
-  // Outputs [m] of the layers, less the offset, and after them their rates while x moves along `direction` [n].
-  std::vector<Form> outputs(const Boxes& boxes, const std::vector<Form>& direction = {}) const {
-    std::vector<Form> a = position(boxes);
-    const std::size_t n = a.size(), streams = direction.empty() ? 1 : 2;
-    a.insert(a.end(), direction.begin(), direction.end());
-    for (const Layer& layer : network.layers) {
-      const std::size_t width = layer.weight.size(), inputs = layer.weight.front().size();
-      std::vector<Form> z(streams * width, zero(n));
-      for (std::size_t at = 0; at < z.size(); ++at) {
-        const std::size_t i = at % width, first = at < width ? 0 : inputs;
-        if (at < width && !layer.bias.empty()) z[at].value = row(point(layer.bias[i]));
-        for (std::size_t k = 0; k < inputs; ++k) add_multiple(layer.weight[i][k], a[first + k], z[at]);
-      }
-      if (layer.tanh) activate(boxes, z, width);
-      a = std::move(z);
-    }
-    for (std::size_t i = 0; i < offset.size(); ++i) a[i].value = a[i].value - row(offset[i]);
-    return a;
-  }
-
-  // The scalar with its head; with a direction its rate.
-  Form scalar(const Boxes& boxes, const std::vector<Form>& direction = {}) const {
-    const std::vector<Form> u = outputs(boxes, direction), x = position(boxes);
-    const std::size_t m = offset.size(), other = direction.empty() ? 0 : m;
-    if (network.head != "squared_norm") return u[other];
-    Form sum = zero(x.size()), square = sum, result = sum;
-    for (std::size_t i = 0; i < m; ++i) add_product(u[i], u[other + i], boxes, sum);
-    for (std::size_t d = 0; d < x.size(); ++d)
-      add_product(x[d], direction.empty() ? x[d] : direction[d], boxes, square);
-    add_multiple(network.quadratic, square, sum);
-    add_multiple(direction.empty() ? 1.0 : 2.0, sum, result);
-    return result;
-  }
-};
-
-// ---- Sets
 
 struct Box {
-  std::vector<double> lower, upper;  // [n]
+  Numbers lower, upper;  // [n]
 };
+// As the file has it: N(x), N(x) - N(0) or |N(x) - N(0)|^2 + quadratic |x|^2.
+struct Layer {
+  std::vector<Numbers> weight;  // [out][in]
+  Numbers bias;                 // [out] or empty
+  bool tanh = false;            // else the identity
+};
+struct Network {
+  string head;
+  double quadratic = 0.0;
+  std::vector<Layer> layers;
+  Intervals offset;  // N(0), or none for the head `plain`
+  size_t inputs() const { return layers.front().weight.front().size(); }
+  size_t outputs() const { return layers.back().weight.size(); }
+};
+// A quantity on a box: with d = x - center, it lies in value + slope . d + [-rest, rest], where value and slope enclose it
+// and its gradient at the center.
+constexpr size_t most_dimensions = 4;
+struct Form {
+  Interval value;
+  std::array<Interval, most_dimensions> slope;  // [n]
+  double rest = 0.0;
+};
+// A computation on a box, step by step: sums with weights, tanh, and `plus` + factor a b.
+class Tape {
+ public:
+  static constexpr size_t zero = 0, one = 1, x = 2;  // the first steps: constants, and the coordinates [n]
+  Tape(const Box& box, const Tanh& tanh) : tanh_(tanh), n_(box.lower.size()) {
+    given(at(0.0));
+    given(at(1.0));
+    for (size_t d = 0; d < n_; ++d) {
+      const double center = 0.5 * box.lower[d] + 0.5 * box.upper[d];
+      half_[d] = std::max(box.upper[d] - center, center - box.lower[d]);
+      steps_[given(at(center))].form.slope[d] = at(1.0);
+    }
+  }
+  size_t size() const { return steps_.size(); }
+  size_t given(const Interval& value) { return add({Kind::given, {value, {}, {}}}); }
+  void subtract(size_t k, Interval c) { steps_[k].form.value = steps_[k].form.value - c; }
+  size_t sum(const Numbers& weights, double constant, size_t first) {
+    Form y{at(constant), {}, {}};
+    for (size_t k = 0; k < weights.size(); ++k) {
+      const Form& term = form(first + k);
+      add_multiple(weights[k], term.value, y.value);
+      for (size_t d = 0; d < n_; ++d) add_multiple(weights[k], term.slope[d], y.slope[d]);
+      y.rest += std::fabs(weights[k]) * term.rest;
+    }
+    return add({Kind::sum, y, first, 0, 0, {}, &weights});
+  }
+  // t + t' dz + [-1, 1] max |t''| dz^2 / 2. With t = tanh(z), its derivatives are 1 - t^2, -2 t (1 - t^2) and
+  // (1 - t^2) (6 t^2 - 2), below 1, 0.77 and 2; t is within its value at the center +- spread, as the first is at most 1.
+  size_t tanh(size_t of) {
+    const Form& z = form(of);
+    const Interval t = tanh_(z.value), first = at(1.0) - t * t, second = at(-2.0) * t * first;
+    // |tanh| lies within [least, most]; 1 - least^2 from above, where least^2 may have been rounded up.
+    const double away = spread(z), most = std::min(t.size() + away, 1.0);
+    const double least = std::max(-(away - std::max(-t.upper, -t.minus_lower)), 0.0);
+    const double steepest = -(least * least - 1.0) + 1e-15;
+    Form y{t, {}, first.size() * z.rest + 0.5 * std::min(2.0 * most * steepest, 0.77) * away * away};
+    for (size_t d = 0; d < n_; ++d) y.slope[d] = first * z.slope[d];
+    return add({Kind::tanh, y, of, 0, 0, first, nullptr, second, std::min(4.0 * steepest, 2.0)});
+  }
+  size_t product(size_t plus, double factor, size_t a, size_t b) {
+    const Form &u = form(a), &v = form(b);
+    const Interval f = at(factor), by_u = f * v.value, by_v = f * u.value;
+    Form y = form(plus);
+    y.value = y.value + by_u * u.value;
+    for (size_t d = 0; d < n_; ++d) y.slope[d] = y.slope[d] + by_u * u.slope[d] + by_v * v.slope[d];
+    y.rest += by_u.size() * u.rest + by_v.size() * v.rest + f.size() * spread(u) * spread(v);
+    return add({Kind::product, y, a, b, plus, f});
+  }
+  Interval rough_range(size_t y) const {
+    return form(y).value + around_zero(spread(form(y)));
+  }  // by its form alone
+  const Form& form(size_t k) const { return steps_[k].form; }
+  // Let each step be its tangent at the center plus a bend. Then y is its own tangent plus all bends, each times y's derivative
+  // at the center by that step. The bends' terms of second order make y's hessian, those of third order are bounded.
+  Interval range(size_t y) const {
+    Intervals by(steps_.size());  // y's derivative at the center by each step
+    by[y] = at(1.0);
+    std::array<std::array<Interval, most_dimensions>, most_dimensions> hessian;
+    double rest = 0.0;
+    // c (u - u at the center) (v - v at the center)
+    const auto bend = [&](const Interval& c, const Form& u, const Form& v) {
+      for (size_t d = 0; d < n_; ++d) {
+        const Interval along = c * u.slope[d], across = c * v.slope[d];
+        for (size_t e = d; e < n_; ++e)
+          hessian[d][e] = hessian[d][e] + along * v.slope[e] + across * u.slope[e];
+      }
+      rest += c.size() * (linear(u) * v.rest + linear(v) * u.rest + u.rest * v.rest);
+    };
+    for (size_t k = y + 1; k-- > x + n_;) {
+      const Step& step = steps_[k];
+      const Form &u = form(step.a), &v = form(step.b);
+      if (step.kind == Kind::sum) {
+        for (size_t i = 0; i < step.weights->size(); ++i)
+          add_multiple((*step.weights)[i], by[k], by[step.a + i]);
+      } else if (step.kind == Kind::tanh) {
+        bend(at(0.5) * by[k] * step.second, u, u);
+        rest += by[k].size() * step.third_size * spread(u) * spread(u) * spread(u) * 0.16666666666666669;
+        by[step.a] = by[step.a] + by[k] * step.first;
+      } else if (step.kind == Kind::product) {
+        const Interval c = by[k] * step.first;
+        bend(c, u, v);
+        by[step.a] = by[step.a] + c * v.value;
+        by[step.b] = by[step.b] + c * u.value;
+        by[step.plus] = by[step.plus] + by[k];
+      }
+    }
+    Interval sum = form(y).value + around_zero(rest);
+    for (size_t d = 0; d < n_; ++d) {
+      // Of s t + c t^2 on 0 <= t <= h: at h, or at an extremum t <= h, where it is s t / 2.
+      const double h = half_[d], s = form(y).slope[d].size() * h;
+      const Interval bow = at(0.5) * at(h) * at(h) * hessian[d][d];
+      sum = sum + Interval{std::max(0.5 * s, s + bow.upper), std::max(0.5 * s, s + bow.minus_lower)};
+      for (size_t e = d + 1; e < n_; ++e) sum = sum + around_zero(hessian[d][e].size() * h * half_[e]);
+    }
+    return sum;
+  }
 
+ private:
+  enum class Kind { given, sum, tanh, product };
+  struct Step {
+    Kind kind;
+    Form form;
+    size_t a = 0, b = 0, plus = 0;  // the steps that it takes; for a sum a is the first of them
+    Interval first{};               // tanh's slope at the center, or a product's factor
+    const Numbers* weights = nullptr;
+    Interval second{};        // tanh's second derivative at the center
+    double third_size = 0.0;  // above the size of its third one on the box; it is below 4 (1 - t^2)
+  };
+  size_t add(const Step& step) {
+    steps_.push_back(step);
+    return size() - 1;
+  }
+  double linear(const Form& of) const {  // above |slope . d|
+    double sum = 0.0;
+    for (size_t d = 0; d < n_; ++d) sum += of.slope[d].size() * half_[d];
+    return sum;
+  }
+  double spread(const Form& of) const { return linear(of) + of.rest; }
+  const Tanh& tanh_;
+  size_t n_;
+  std::array<double, most_dimensions> half_{};  // rounded up
+  std::vector<Step> steps_;
+};
+// Puts the network's layers on the tape. Returns the steps of its first output, and of that one's rate while x has the rates
+// that begin with step `direction` (0: none).
+std::pair<size_t, size_t> apply(const Network& network, Tape& tape, size_t direction = 0) {
+  size_t x = Tape::x, p = direction;
+  for (const Layer& layer : network.layers) {
+    const size_t width = layer.weight.size(), z = tape.size(), rate = p == 0 ? 0 : z + width;
+    for (size_t i = 0; i < width; ++i) tape.sum(layer.weight[i], layer.bias.empty() ? 0.0 : layer.bias[i], x);
+    for (size_t i = 0; i < width && p != 0; ++i) tape.sum(layer.weight[i], 0.0, p);
+    x = z;
+    p = rate;
+    if (!layer.tanh) continue;
+    x = tape.size();
+    for (size_t i = 0; i < width; ++i) tape.tanh(z + i);
+    if (p == 0) continue;
+    p = tape.size() + width;
+    for (size_t i = 0; i < width; ++i) tape.product(Tape::one, -1.0, x + i, x + i);
+    for (size_t i = 0; i < width; ++i) tape.product(Tape::zero, 1.0, x + width + i, rate + i);
+  }
+  for (size_t i = 0; i < network.offset.size(); ++i) tape.subtract(x + i, network.offset[i]);
+  return {x, p};
+}
+
+void find_offset(Network& network, const Tanh& tanh) {
+  if (network.head == "plain") return;
+  const Numbers origin(network.inputs());
+  Tape tape({origin, origin}, tanh);
+  const size_t first = apply(network, tape).first;
+  for (size_t i = 0; i < network.outputs(); ++i) network.offset.push_back(tape.rough_range(first + i));
+}
+// B on the box.
+Interval value_range(const Network& B, const Box& box, const Tanh& tanh) {
+  Tape tape(box, tanh);
+  return tape.range(apply(B, tape).first);
+}
+// The rate of B or V while x moves along f.
+Interval rate_range(const Network& of, const Network& f, const Box& box, const Tanh& tanh) {
+  Tape tape(box, tanh);
+  const size_t p = apply(f, tape).first, n = f.inputs();
+  const auto [u, rate] = apply(of, tape, p);
+  if (of.head != "squared_norm") return tape.range(rate);
+  size_t y = Tape::zero;
+  for (size_t i = 0; i < of.outputs(); ++i) y = tape.product(y, 2.0, u + i, rate + i);
+  for (size_t d = 0; d < n; ++d) y = tape.product(y, 2.0 * of.quadratic, Tape::x + d, p + d);
+  return tape.range(y);
+}
+// ---- Sets
 // A set {level <= 0}, as a function that encloses the level over a box [n].
-using Region = std::function<Number(const std::vector<Number>&)>;
+using Region = std::function<Interval(const Intervals&)>;
 
-std::vector<double> list(const toml::table& table, const char* key) {
-  std::vector<double> found;
-  const toml::array* array = table[key].as_array();
-  if (array == nullptr) fail(std::string("found no list ") + key);
-  for (const toml::node& node : *array) found.push_back(node.value<double>().value());
+Numbers list(const toml::table& table, const char* key) {
+  Numbers found;
+  if (!table[key].is_array()) fail(string("no list ") + key);
+  for (const toml::node& node : *table[key].as_array()) found.push_back(node.value<double>().value());
   return found;
 }
+const toml::table& section(const toml::table& table, const char* key) {
+  if (!table[key].is_table()) fail(string("no section ") + key);
+  return *table[key].as_table();
+}
 double scalar(const toml::table& table, const char* key) {
-  if (!table[key].is_number()) fail(std::string("found no number ") + key);
+  if (!table[key].is_number()) fail(string("no number ") + key);
   return *table[key].value<double>();
 }
-Number maximum(const Number& a, const Number& b) {
-  return {larger(a.upper, b.upper), -larger(-a.minus_lower, -b.minus_lower)};
-}
-
 // sum ((x_i - center_i) / semi_axis_i)^2 - 1
-Region ellipsoid(const std::vector<double>& center, const std::vector<double>& semi_axes) {
-  return [=](const std::vector<Number>& x) {
-    Number sum = point(-1.0);
-    for (std::size_t d = 0; d < center.size(); ++d) {
-      const Number u = (x[d] - point(center[d])) / point(semi_axes.at(d));
-      const double least = larger(larger(-u.upper, -u.minus_lower), 0.0);  // of |u|
-      sum = sum + Number{(u * u).upper, -least * least};
+Region ellipsoid(const Numbers& center, const Numbers& semi_axes) {
+  if (!(*std::min_element(semi_axes.begin(), semi_axes.end()) > 0.0)) fail("a radius that is not positive");
+  return [=](const Intervals& x) {
+    Interval sum = at(-1.0);
+    for (size_t d = 0; d < x.size(); ++d) {
+      const Interval u = (x[d] - at(center.at(d))) * positive_inverse(at(semi_axes.at(d)));
+      const double least = std::max(std::max(-u.upper, -u.minus_lower), 0.0);  // of |u|
+      sum = sum + Interval{(u * u).upper, -least * least};
     }
     return sum;
   };
 }
-
-// From its TOML table. Throws on a kind that this program does not know.
+// From its TOML table. Throws on what this program does not know.
 Region read_region(const toml::table& table) {
-  const std::string type = table["type"].value_or(std::string("none"));
-  if (table["inflate"].value_or(0.0) != 0.0)
-    fail("found an inflated region, which this program cannot check");
-  if (type == "none") return [](const std::vector<Number>&) { return Number{INFINITY, -INFINITY}; };
-  if (type == "ball") {
-    const std::vector<double> center = list(table, "center");
-    return ellipsoid(center, std::vector<double>(center.size(), scalar(table, "radius")));
-  }
+  const string type = table["type"].value_or(string("none"));
+  const string known = " type inflate center radius semi_axes lower upper normal offset of ";
+  for (const auto& [key, value] : table)
+    if (known.find(" " + string(key.str()) + " ") == known.npos ||
+        (key.str() == "inflate" && value.value_or(1.0) != 0.0))
+      fail("a region with " + string(key.str()) + ", which this program cannot check");
+  if (type == "none") return [](const Intervals&) { return -at(-INFINITY); };
+  if (type == "ball")
+    return ellipsoid(list(table, "center"), Numbers(most_dimensions, scalar(table, "radius")));
   if (type == "ellipsoid") return ellipsoid(list(table, "center"), list(table, "semi_axes"));
-  if (type == "box") {
-    return [lower = list(table, "lower"), upper = list(table, "upper")](const std::vector<Number>& x) {
-      Number most{-INFINITY, INFINITY};
-      for (std::size_t d = 0; d < x.size(); ++d) {
-        if (lower.at(d) > -INFINITY) most = maximum(most, point(lower[d]) - x[d]);
-        if (upper.at(d) < INFINITY) most = maximum(most, x[d] - point(upper[d]));
+  if (type == "box")
+    return [lower = list(table, "lower"), upper = list(table, "upper")](const Intervals& x) {
+      Interval most = at(-INFINITY);
+      for (size_t d = 0; d < x.size(); ++d) {
+        if (lower.at(d) > -INFINITY) most = maximum(most, at(lower[d]) - x[d]);
+        if (upper.at(d) < INFINITY) most = maximum(most, x[d] - at(upper[d]));
       }
       return most;
     };
-  }
-  if (type == "halfspace") {
-    return [normal = list(table, "normal"), offset = scalar(table, "offset")](const std::vector<Number>& x) {
-      Number sum = point(-offset);
-      for (std::size_t d = 0; d < x.size(); ++d) sum = sum + point(normal.at(d)) * x[d];
+  if (type == "halfspace")
+    return [normal = list(table, "normal"), offset = scalar(table, "offset")](const Intervals& x) {
+      Interval sum = at(-offset);
+      for (size_t d = 0; d < x.size(); ++d) add_multiple(normal.at(d), x[d], sum);
       return sum;
     };
-  }
   std::vector<Region> parts;
   if (const toml::array* of = table["of"].as_array())
     for (const toml::node& node : *of) parts.push_back(read_region(*node.as_table()));
   if (parts.empty() || (type != "union" && type != "intersection" && type != "complement"))
-    fail("found a region of type " + type + ", which this program cannot check");
-  return [type, parts](const std::vector<Number>& x) {  // the least, the greatest, the negated level
-    Number level = parts[0](x);
-    for (std::size_t i = 1; i < parts.size(); ++i)
-      level = type == "union" ? -maximum(-level, -parts[i](x)) : maximum(level, parts[i](x));
+    fail("a region of type " + type + ", which this program cannot check");
+  return [type, parts](const Intervals& x) {  // the least, the greatest, the negated level
+    Interval level = parts[0](x);
+    for (const Region& part : parts)
+      level = type == "union" ? -maximum(-level, -part(x)) : maximum(level, part(x));
     return type == "complement" ? -level : level;
   };
 }
-
 // ---- Files
-
-// What is to be checked, as a run file states it.
+// The conditions that boxes are asked for: their names in the file, and what they say.
+constexpr const char* conditions[][2] = {{"lyapunov_decrease", "Vdot < 0 but at the goal"},
+                                         {"initial", "B < 0 on the initial set"},
+                                         {"unsafe", "B > 0 on the unsafe set"},
+                                         {"containment", "B > 0 on the workspace's margin and boundary"},
+                                         {"barrier_decrease", "Bdot < 0 where |B| <= the band"}};
+// What is to be checked, as the file states it.
 struct Claim {
   Network f, V, B;
   Box workspace, inner;  // normalised: X, and the part of it within which {B <= 0} must lie
   double level_band = 0.0;
   Region initial, unsafe;
-  std::vector<double> goal;  // [n] both regions stand in x = goal + scale z, z normalised
+  Numbers goal;  // [n] both regions stand in x = goal + scale z, z normalised
   double scale = 1.0;
-  std::string text;  // the file's own words for the problem
+  string text;                 // the file's own words for the problem
+  std::vector<Numbers> cover;  // bytes for each of the conditions; none in a run file
 };
+
+string read_bytes(const string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+string sha256(const string& bytes) {
+  unsigned char digest[32];
+  if (EVP_Digest(bytes.data(), bytes.size(), digest, nullptr, EVP_sha256(), nullptr) != 1) fail("no SHA-256");
+  string text;
+  for (int k = 0; k < 64; ++k) text += "0123456789abcdef"[digest[k / 2] >> (k % 2 == 0 ? 4 : 0) & 15];
+  return text;
+}
 
 class File {
  public:
-  explicit File(const std::string& path) {
+  explicit File(const string& path) {
+    const string bytes = read_bytes(path), mark = "\ns2nnds-sha256 ";
+    const size_t from = std::max<size_t>(bytes.size(), 80) - 80, end = bytes.find(mark, from);
+    is_whole = end != bytes.npos;
+    if (is_whole && bytes.substr(end) != mark + sha256(bytes.substr(0, end)) + "\n")
+      fail("damaged bytes: their SHA-256 is not the one at their end");
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-    if (file_ < 0) fail("found no HDF5 file; expected a run file");
+    if (file_ < 0) fail("no HDF5 file; expected a run file or a proof");
   }
   ~File() { H5Fclose(file_); }
-  std::string text(const std::string& group, const std::string& name) const {
+  bool holds(const string& item) const { return H5Lexists(file_, item.c_str(), H5P_DEFAULT) > 0; }
+  string text(const string& group, const string& name) const {
     char* found = nullptr;
     const hid_t type = H5Tcopy(H5T_C_S1);
     H5Tset_size(type, H5T_VARIABLE);
@@ -369,189 +408,214 @@ class File {
     read(group, name, type, &found);
     return found != nullptr ? found : "";
   }
-  double number(const std::string& group, const std::string& name) const {
+  double number(const string& group, const string& name) const {
     double found = NAN;
     read(group, name, H5T_NATIVE_DOUBLE, &found);
+    if (!(found >= 0.0 && found <= 1e6)) fail("no " + group + " " + name + " within 1e6");
     return found;
   }
-  std::vector<double> array(const std::string& item, bool optional = false) const {
-    if (optional && H5Lexists(file_, item.c_str(), H5P_DEFAULT) <= 0) return {};
+  Numbers array(const string& item) const {
     const hid_t set = H5Dopen2(file_, item.c_str(), H5P_DEFAULT), space = H5Dget_space(set);
-    std::vector<double> found(set < 0 ? 0 : static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+    Numbers found(set < 0 ? 0 : static_cast<size_t>(H5Sget_simple_extent_npoints(space)));
     if (found.empty() || H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, found.data()) < 0)
-      fail("found no numbers " + item);
+      fail("no numbers " + item);
     return found;
   }
-
+  bool is_whole = false;  // with the SHA-256 of its bytes behind them
  private:
-  void read(const std::string& group, const std::string& name, hid_t type, void* value) const {
+  void read(const string& group, const string& name, hid_t type, void* value) const {
     const hid_t found = H5Aopen_by_name(file_, group.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT);
-    if (found < 0 || H5Aread(found, type, value) < 0) fail("found no " + group + " " + name);
+    if (found < 0 || H5Aread(found, type, value) < 0) fail("no " + group + " " + name);
   }
   hid_t file_;
 };
-
-Network read_network(const File& file, const std::string& group) {
-  const auto fits = [](double w) { return std::fabs(w) <= 1e6; };
-  Network network{{}, file.text(group, "head"), file.number(group, "quadratic")};
-  for (int k = 0; k < static_cast<int>(file.number(group, "layers")); ++k) {
-    const std::string index = std::to_string(k), activation = file.text(group, "activation_" + index);
+// `hashed` is what the weights' hash is taken of.
+Network read_network(const File& file, const string& group, string& hashed) {
+  const auto add = [&](const auto& word) { hashed.append(reinterpret_cast<const char*>(&word), 8); };
+  const auto add_text = [&](const string& text) { add(text.size()), hashed += text; };
+  Network network{file.text(group, "head"), file.number(group, "quadratic"), {}, {}};
+  const auto count = static_cast<size_t>(file.number(group, "layers"));
+  add_text(network.head == "zero_at_origin" ? "anchored" : network.head);
+  add(network.quadratic);
+  add(count);
+  double growth = 1.0 + network.quadratic;
+  for (size_t k = 0, inputs = static_cast<size_t>(file.number("/data", "dimension")); k < count; ++k) {
+    const string index = std::to_string(k), activation = file.text(group, "activation_" + index);
     if (activation != "tanh" && activation != "identity")
-      fail("found the activation " + activation + ", which this program cannot check");
+      fail("the activation " + activation + ", which this program cannot check");
+    const Numbers weight = file.array(group + "/weight_" + index);
+    const size_t rows = inputs == 0 ? 0 : weight.size() / inputs;
     Layer layer{{}, {}, activation == "tanh"};
-    const std::vector<double> weight = file.array(group + "/weight_" + index);
-    layer.bias = file.array(group + "/bias_" + index, true);
-    // Without a bias, the number of rows follows from the layer before.
-    const std::size_t inputs = k == 0 ? static_cast<std::size_t>(file.number("/data", "dimension"))
-                                      : network.layers.back().weight.size();
-    for (std::size_t i = 0; i + inputs <= weight.size(); i += inputs)
-      layer.weight.emplace_back(weight.begin() + long(i), weight.begin() + long(i + inputs));
-    if (layer.weight.size() * inputs != weight.size() ||
-        (!layer.bias.empty() && layer.bias.size() != layer.weight.size()) ||
-        !std::all_of(weight.begin(), weight.end(), fits) ||
-        !std::all_of(layer.bias.begin(), layer.bias.end(), fits))
-      fail("found weights of " + group + " that do not fit together");
+    if (file.holds(group + "/bias_" + index)) layer.bias = file.array(group + "/bias_" + index);
+    if (rows == 0 || rows * inputs != weight.size() || (!layer.bias.empty() && layer.bias.size() != rows))
+      fail("weights of " + group + " that do not fit together");
+    for (auto from = weight.begin(); from != weight.end(); from += long(inputs))
+      layer.weight.emplace_back(from, from + long(inputs));
+    add_text(activation);
+    for (const size_t size : {rows, inputs, layer.bias.size()}) add(size);
+    Numbers numbers = weight;
+    numbers.insert(numbers.end(), layer.bias.begin(), layer.bias.end());
+    for (const double number : numbers) add(number);
+    growth *= std::accumulate(numbers.begin(), numbers.end(), 1.0,
+                              [](double sum, double x) { return sum + std::fabs(x); });
+    inputs = rows;
     network.layers.push_back(std::move(layer));
   }
+  // Below this and with coordinates below 1e6 nothing overflows but the forms' rests, and those are only added to.
+  if (!(growth <= 1e25) || count == 0) fail("no weights of " + group + ", or too large ones");
   return network;
 }
-
-// Throws one line on a file that is no run file or that this program cannot check.
-Claim read_claim(const std::string& path) {
+// Throws one line on a file that is no such file or that this program cannot check.
+Claim read_claim(const string& path) {
   const File file(path);
   Claim claim;
-  claim.f = read_network(file, "/networks/f");
-  claim.V = read_network(file, "/networks/V");
-  claim.B = read_network(file, "/networks/B");
+  string hashed;
+  claim.f = read_network(file, "/networks/f", hashed);
+  claim.V = read_network(file, "/networks/V", hashed);
+  claim.B = read_network(file, "/networks/B", hashed);
   claim.text = file.text("/certificate", "scope");
   const toml::table scope = toml::parse(claim.text);
-  const toml::table& problem = *scope["problem"].as_table();
+  if (scope["weights"].value_or(string()) != sha256(hashed))
+    fail("other weights than those that the problem's text names");
+  const toml::table &problem = section(scope, "problem"), &frame = section(scope, "frame");
   claim.workspace = {list(problem, "workspace_lower"), list(problem, "workspace_upper")};
   claim.inner = {list(problem, "contained_lower"), list(problem, "contained_upper")};
   claim.level_band = scalar(problem, "level_band");
-  claim.initial = read_region(*problem["initial"].as_table());
-  claim.unsafe = read_region(*problem["unsafe"].as_table());
-  const toml::table& frame = *scope["frame"].as_table();
-  // With weights and coordinates of at most 1e6 nothing overflows but the forms' rests, and those are only added to.
-  for (std::size_t d = 0; d < claim.workspace.lower.size(); ++d) {
+  claim.initial = read_region(section(problem, "initial"));
+  claim.unsafe = read_region(section(problem, "unsafe"));
+  const size_t n = claim.workspace.lower.size();
+  for (size_t d = 0; d < n; ++d) {
     const double low = claim.workspace.lower[d], high = claim.workspace.upper.at(d);
     if (!(low < 0.0 && high > 0.0 && high - low <= 1e6 && claim.inner.lower.at(d) >= low &&
           claim.inner.upper.at(d) <= high))
-      fail("found a workspace without the goal, or beyond 1e6, or not around the inner one");
+      fail("a workspace without the goal, or beyond 1e6, or not around the inner one");
   }
-  claim.goal.assign(claim.workspace.lower.size(), 0.0);
-  if (problem["frame"].value_or(std::string()) == "data") {
-    claim.goal = list(frame, "goal");
-    claim.scale = scalar(frame, "position_scale");
+  const bool in_data = problem["frame"].value_or(string()) == "data";
+  claim.goal = in_data ? list(frame, "goal") : Numbers(n);
+  claim.scale = in_data ? scalar(frame, "position_scale") : 1.0;
+  if (!(claim.level_band >= 0.0 && claim.scale > 0.0 && claim.scale < INFINITY && claim.goal.size() == n))
+    fail("a band, a goal or a scale that is none");
+  if (claim.f.inputs() != n || claim.f.outputs() != n || claim.B.outputs() != 1 || n > most_dimensions)
+    fail("networks and a workspace of different dimensions, or of more than 4");
+  if (file.holds("/cover")) {
+    if (!file.is_whole) fail("no SHA-256 at the end of a proof");
+    for (const auto& condition : conditions)
+      claim.cover.push_back(file.array(string("/cover/") + condition[0]));
   }
-  if (claim.f.inputs() != claim.workspace.lower.size() || claim.f.outputs() != claim.f.inputs() ||
-      claim.V.inputs() != claim.f.inputs() || claim.B.inputs() != claim.f.inputs() || claim.B.outputs() != 1)
-    fail("found networks and a workspace of different dimensions");
   return claim;
 }
-
-// Whether the exported policy holds every bias, row or column of weights of f, V and B: as doubles or floats in memory's form (ONNX, TorchScript, pt2) or as numbers in a text (C++ header).
-bool carries_weights(const std::string& policy, const Claim& claim) {
+// Whether the exported policy holds every bias, row or column of weights of f, V and B, those of a layer in their order: as
+// doubles or floats in memory's form (ONNX, TorchScript, pt2) or as numbers in a text (C++ header; floats end with F).
+bool carries_weights(const string& policy, const Claim& claim) {
   std::fesetround(FE_TONEAREST);  // as whoever rounded them to float
-  std::ifstream file(policy, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const string file = read_bytes(policy);
   const auto image = [](const auto& of) {
-    return std::string(reinterpret_cast<const char*>(of.data()), of.size() * sizeof(of[0]));
+    return string(reinterpret_cast<const char*>(of.data()), of.size() * sizeof(of[0]));
   };
-  if (bytes.find('\0') == bytes.npos) {
-    std::vector<float> numbers;
-    char* end = nullptr;
-    for (const char* at = bytes.c_str(); *at != '\0'; at = end > at ? end : at + 1) {
-      const double number = std::strtod(at, &end);
-      if (end > at) numbers.push_back(static_cast<float>(number));
-    }
-    bytes = image(numbers);
+  Numbers doubles;
+  std::vector<float> floats;
+  char* end = nullptr;
+  for (const char* from = file.c_str(); *from != '\0'; from = end > from ? end : from + 1) {
+    const double number = std::strtod(from, &end);
+    if (end > from && *end != 'F') doubles.push_back(number);
+    if (end > from && *end == 'F') floats.push_back(std::strtof(from, &end));
   }
-  const auto holds = [&](const std::vector<double>& values) {
-    const std::vector<float> rounded(values.begin(), values.end());
-    return values.empty() || bytes.find(image(values)) != bytes.npos ||
-           bytes.find(image(rounded)) != bytes.npos;
+  const bool is_text = file.find('\0') == file.npos;
+  const string bytes = is_text ? image(doubles) + image(floats) : file;
+  const auto holds = [&](const std::vector<Numbers>& lines, bool single) {
+    size_t from = 0;
+    for (auto line = lines.begin(); line != lines.end() && from != bytes.npos; ++line)
+      from = bytes.find(single ? image(std::vector<float>(line->begin(), line->end())) : image(*line), from);
+    return from != bytes.npos;
   };
+  bool all = true;
   for (const Network* network : {&claim.f, &claim.V, &claim.B}) {
+    bool found[] = {true, true};
     for (const Layer& layer : network->layers) {
-      std::vector<std::vector<double>> columns(layer.weight.front().size());
-      for (const std::vector<double>& row : layer.weight)
-        for (std::size_t k = 0; k < row.size(); ++k) columns[k].push_back(row[k]);
-      const auto all = [&](const auto& lines) { return std::all_of(lines.begin(), lines.end(), holds); };
-      if (!holds(layer.bias) || !(all(layer.weight) || all(columns))) return false;
+      std::vector<Numbers> columns(layer.weight.front().size());
+      for (const Numbers& line : layer.weight)
+        for (size_t k = 0; k < line.size(); ++k) columns[k].push_back(line[k]);
+      for (const bool single : {false, true})
+        found[single] = found[single] && holds({layer.bias}, single) &&
+                        (holds(layer.weight, single) || holds(columns, single));
     }
+    all = all && (found[0] || found[1]);
   }
-  return true;
+  return all;
 }
-
 // ---- The proof
-constexpr double least_width = 1e-9, largest_cube = 0.08;
-// A condition: whether it asks anything of a box, and what must be negative there, from above.
 struct Condition {
-  std::function<bool(const Box&)> asks;
-  std::function<Lanes(const Boxes&)> residual;
+  std::function<bool(const Box&)> asks;        // whether it asks anything of the box
+  std::function<double(const Box&)> residual;  // what must be negative there, from above
 };
-
-Boxes side_by_side(const std::vector<Box>& boxes) {
-  const std::size_t n = boxes.front().lower.size();
-  Boxes tile{std::vector<Lanes>(n), std::vector<Lanes>(n)};
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    const Box& box = boxes[lane < boxes.size() ? lane : 0];
-    for (std::size_t d = 0; d < n; ++d) {
-      const double middle = 0.5 * box.lower[d] + 0.5 * box.upper[d];
-      tile.center[d][lane] = middle;
-      tile.half[d][lane] = larger(box.upper[d] - middle, middle - box.lower[d]);
-    }
-  }
-  return tile;
-}
-
-// Two boxes that share a face, so that no point is lost: halves along the widest side, of width `width`.
-std::vector<Box> halves(const Box& box, double& width) {
-  std::size_t axis = 0;
-  const auto side = [&](std::size_t d) { return box.upper[d] - box.lower[d]; };
-  for (std::size_t d = 1; d < box.lower.size(); ++d) axis = side(d) > side(axis) ? d : axis;
+// Two boxes that share a face, so that no point is lost: halves along the widest side (the first of several), of `width`.
+std::array<Box, 2> halves(const Box& box, double& width) {
+  size_t axis = 0;
+  const auto side = [&](size_t d) { return box.upper[d] - box.lower[d]; };
+  for (size_t d = 1; d < box.lower.size(); ++d) axis = side(d) > side(axis) ? d : axis;
   width = side(axis);
-  std::vector<Box> parts = {box, box};
+  std::array<Box, 2> parts = {box, box};
   parts[0].upper[axis] = parts[1].lower[axis] = 0.5 * box.lower[axis] + 0.5 * box.upper[axis];
   return parts;
 }
-
-// Shows the condition on boxes that cover `whole`, by two threads, and counts them. Returns a box that stays open, or none.
-Box cover(const Box& whole, const Condition& condition, std::atomic<long>& boxes) {
-  std::vector<Box> start = {whole};
-  while (start.size() < 4096) {
-    std::vector<Box> parts;
-    double width = 0.0;
-    for (const Box& box : start)
-      for (Box& part : halves(box, width)) parts.push_back(std::move(part));
-    start = std::move(parts);
+// Boxes that cover the workspace, for containment its faces too: those that the file's bisections end with, or it throws;
+// without such, the workspace. What a bisection's end says is not used.
+std::vector<Box> starting_boxes(const Claim& claim, size_t condition) {
+  std::vector<Box> open = {claim.workspace}, ends;
+  if (claim.cover.empty()) return open;
+  for (size_t d = 0; condition == 3 && d < claim.workspace.lower.size(); ++d) {
+    open.insert(open.begin(), 2, claim.workspace);
+    open[0].lower[d] = open[0].upper[d];
+    open[1].upper[d] = open[1].lower[d];
   }
-  std::atomic<std::size_t> next = 0;
+  const Numbers& bytes = claim.cover[condition];
+  size_t bit = 0;
+  const auto next = [&] {
+    if (bit == 8 * bytes.size()) fail(string("a cover with a hole for ") + conditions[condition][0]);
+    const size_t place = bit++;
+    return (static_cast<int>(bytes[place / 8]) >> (7 - place % 8) & 1) == 1;
+  };
+  std::fesetround(FE_TONEAREST);  // the same halves as whoever wrote the file
+  double width = 0.0;
+  for (Box box; !open.empty();) {
+    box = std::move(open.back());
+    open.pop_back();
+    if (next()) {
+      const std::array<Box, 2> parts = halves(box, width);
+      open.insert(open.end(), {parts[1], parts[0]});
+    } else {
+      next();
+      ends.push_back(std::move(box));
+    }
+  }
+  round_up();
+  while (bit % 8 != 0 || bit < 8 * bytes.size())
+    if (bit % 8 == 0 || next()) fail("bits behind the end of a cover");
+  return ends;
+}
+// Shows the condition on boxes that cover those of `start`, by two threads, and counts them. Returns a box that stays open.
+Box cover(std::vector<Box> start, const Condition& condition, std::atomic<long>& boxes) {
+  constexpr double least_width = 1e-9;
+  for (double width = 0.0; start.size() < 2048;) {
+    for (const Box& box : std::exchange(start, {}))
+      for (const Box& part : halves(box, width)) start.push_back(part);
+  }
+  std::atomic<size_t> next = 0;
   std::atomic<bool> open = false;
   Box left;
   const auto work = [&] {
     round_up();
-    std::vector<Box> stack;
-    while (!open) {
-      std::vector<Box> tile;
-      while (tile.size() < lanes) {
-        if (stack.empty()) {
-          const std::size_t mine = next++;
-          if (mine >= start.size()) break;
-          stack.push_back(start[mine]);
-        }
-        if (condition.asks(stack.back())) tile.push_back(stack.back());
+    for (size_t mine = next++; mine < start.size() && !open; mine = next++) {
+      for (std::vector<Box> stack = {start[mine]}; !stack.empty() && !open;) {
+        const Box box = std::move(stack.back());
         stack.pop_back();
         ++boxes;
-      }
-      if (tile.empty()) return;
-      const Lanes residual = condition.residual(side_by_side(tile));
-      for (std::size_t i = 0; i < tile.size(); ++i) {
-        if (residual[i] < 0.0 && residual[i] > -1e100) continue;  // nor NaN, nor what may have overflowed
+        if (!condition.asks(box)) continue;
+        const double residual = condition.residual(box);
+        if (residual < 0.0 && residual > -1e100) continue;  // nor NaN, nor what may have overflowed
         double width = 0.0;
-        for (Box& part : halves(tile[i], width)) stack.push_back(std::move(part));
-        if (width < least_width && !open.exchange(true)) left = tile[i];
+        for (const Box& part : halves(box, width)) stack.push_back(part);
+        if (width < least_width && !open.exchange(true)) left = box;
       }
     }
   };
@@ -560,135 +624,120 @@ Box cover(const Box& whole, const Condition& condition, std::atomic<long>& boxes
   other.join();
   return left;
 }
-
 // For |x|_inf <= half, f(x) = A x and N(x) - N(0) = P x with A, P in the Jacobians' enclosures, so that Vdot = x' M x with
-// M = 2 (P' J + quadratic I) A. Negative definite if every pivot of -(M + M') is positive.
-bool decreases_around_goal(const Enclosure& f, const Enclosure& V, double half) {
-  const std::size_t n = f.network.inputs();
-  const Boxes cube{std::vector<Lanes>(n), std::vector<Lanes>(n, all_lanes(half))};
-  const auto jacobian = [&](const Enclosure& function) {
-    const std::size_t m = function.network.outputs();
-    std::vector<std::vector<Number>> j(m, std::vector<Number>(n));
-    for (std::size_t k = 0; k < n; ++k) {
-      std::vector<Form> direction(n, zero(n));
-      direction[k].value = point(all_lanes(1.0));
-      const std::vector<Form> rates = function.outputs(cube, direction);
-      for (std::size_t i = 0; i < m; ++i) {
-        const Row range = rates[m + i].range(cube);
-        j[i][k] = {range.upper[0], range.minus_lower[0]};
-      }
+// M = 2 (P' P + quadratic I) A. Negative definite if every pivot of -(M + M') is positive.
+bool decreases_around_goal(const Network& f, const Network& V, double half, const Tanh& tanh) {
+  const size_t n = f.inputs();
+  const Box cube{Numbers(n, -half), Numbers(n, half)};
+  using Matrix = std::vector<Intervals>;
+  const auto jacobian = [&](const Network& of) {
+    Matrix j(of.outputs(), Intervals(n));
+    for (size_t k = 0; k < n; ++k) {
+      Tape tape(cube, tanh);
+      const size_t direction = tape.size();
+      for (size_t d = 0; d < n; ++d) tape.given(at(d == k ? 1.0 : 0.0));
+      const size_t rate = apply(of, tape, direction).second;
+      for (size_t i = 0; i < j.size(); ++i) j[i][k] = tape.rough_range(rate + i);
     }
     return j;
   };
-  const auto A = jacobian(f), P = jacobian(V);
-  std::vector<std::vector<Number>> G(n, std::vector<Number>(n)), S = G, M = G;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < n; ++k) {
-      if (i == k) G[i][k] = point(V.network.quadratic);
-      for (const auto& row : P) G[i][k] = G[i][k] + row[i] * row[k];
-    }
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < n; ++k)
-      for (std::size_t l = 0; l < n; ++l) M[i][k] = M[i][k] + G[i][l] * A[l][k];
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < n; ++k) S[i][k] = -(M[i][k] + M[k][i]);
-  for (std::size_t k = 0; k < n; ++k) {
+  const auto add_product = [n](const Interval& a, const Intervals& b, Intervals& sum) {
+    for (size_t k = 0; k < n; ++k) sum[k] = sum[k] + a * b[k];
+  };
+  const Matrix A = jacobian(f), P = jacobian(V);
+  Matrix G(n, Intervals(n)), M = G, S = G;
+  for (size_t i = 0; i < n; ++i) {
+    G[i][i] = at(V.quadratic);
+    for (const Intervals& row : P) add_product(row[i], row, G[i]);
+    for (size_t l = 0; l < n; ++l) add_product(G[i][l], A[l], M[i]);
+  }
+  for (size_t i = 0; i < n; ++i)
+    for (size_t k = 0; k < n; ++k) S[i][k] = -(M[i][k] + M[k][i]);
+  for (size_t k = 0; k < n; ++k) {
     if (!(-S[k][k].minus_lower > 0.0)) return false;
-    for (std::size_t i = k + 1; i < n; ++i)
-      for (std::size_t l = k + 1; l < n; ++l) S[i][l] = S[i][l] - S[i][k] * S[k][l] / S[k][k];
+    for (size_t i = k + 1; i < n; ++i) add_product(-(S[i][k] * positive_inverse(S[k][k])), S[k], S[i]);
   }
   return true;
 }
 
 bool meets(const Claim& claim, const Region& region, const Box& box) {
-  std::vector<Number> x;
-  for (std::size_t d = 0; d < box.lower.size(); ++d)
-    x.push_back(point(claim.goal[d]) + point(claim.scale) * Number{box.upper[d], -box.lower[d]});
+  Intervals x;
+  for (size_t d = 0; d < box.lower.size(); ++d) {
+    x.push_back(at(claim.goal[d]));
+    add_multiple(claim.scale, {box.upper[d], -box.lower[d]}, x[d]);
+  }
   return !(-region(x).minus_lower > 0.0);
 }
 
-// What lies outside of the inner box, or on the workspace's boundary.
-bool meets_margin(const Claim& claim, const Box& box) {
-  for (std::size_t d = 0; d < box.lower.size(); ++d)
-    if (!(box.upper[d] < claim.inner.upper[d] && box.lower[d] > claim.inner.lower[d])) return true;
-  return false;
-}
-
-bool is_initial_inside(const Claim& claim) {
-  const std::size_t n = claim.workspace.lower.size();
-  for (std::size_t d = 0; d < n; ++d) {
-    Box above{std::vector<double>(n, -1e300), std::vector<double>(n, 1e300)}, below = above;
-    above.lower[d] = std::nextafter(claim.workspace.upper[d], INFINITY);
-    below.upper[d] = std::nextafter(claim.workspace.lower[d], -INFINITY);
-    if (meets(claim, claim.initial, above) || meets(claim, claim.initial, below)) return false;
-  }
-  return true;
-}
-
-bool run(const std::string& path, const std::vector<std::string>& policies) {
+bool run(const string& path, const std::vector<string>& policies) {
   round_up();
-  const Claim claim = read_claim(path);
+  Claim claim = read_claim(path);
   const Tanh tanh;
-  const Enclosure f(claim.f, tanh), V(claim.V, tanh), B(claim.B, tanh);
-  std::printf("%s\n%s\n", path.c_str(), claim.text.c_str());
-  bool all = true;
-  const auto say = [&](const std::string& what, bool holds, long boxes = 0) {
+  for (Network* network : {&claim.f, &claim.V, &claim.B}) find_offset(*network, tanh);
+  const Network &f = claim.f, &V = claim.V, &B = claim.B;
+  bool all = std::printf("%s\n%s\n", path.c_str(), claim.text.c_str()) > 0;
+  const auto say = [&](const string& what, bool holds, long boxes = 0) {
     std::printf("%-50s %s", what.c_str(), holds ? "holds" : "NOT SHOWN");
     std::printf(boxes > 0 ? ", %ld boxes\n" : "\n", boxes);
-    std::fflush(stdout);
     all = all && holds;
   };
-  say("f(0) = 0, by its form", claim.f.head == "zero_at_origin" && claim.B.head == "plain");
-  say("V(0) = 0 and V > 0 elsewhere, by its form", claim.V.head == "squared_norm" && claim.V.quadratic > 0.0);
+  meets(claim, claim.initial, claim.workspace);  // throws, on this thread, where a set has other dimensions
+  meets(claim, claim.unsafe, claim.workspace);
+  say("f(0) = 0, by its form", f.head == "zero_at_origin" && B.head == "plain");
+  say("V(0) = 0 and V > 0 elsewhere, by its form", V.head == "squared_norm" && V.quadratic > 0.0);
   if (!all) return false;
-  double cube = largest_cube;  // Vdot < 0 for 0 < |x|_inf <= cube
-  while (cube > 0.0 && !decreases_around_goal(f, V, cube)) cube = cube > 1e-7 ? 0.5 * cube : 0.0;
-  const auto ask = [&](const char* what, const Condition& condition) {
+  double cube = 0.08;  // Vdot < 0 for 0 < |x|_inf <= cube
+  while (cube > 0.0 && !decreases_around_goal(f, V, cube, tanh)) cube = cube > 1e-7 ? 0.5 * cube : 0.0;
+  const auto within = [](const Box& box, const Box& outer) {  // its interior
+    for (size_t d = 0; d < box.lower.size(); ++d)
+      if (!(box.upper[d] < outer.upper[d] && box.lower[d] > outer.lower[d])) return false;
+    return true;
+  };
+  const Numbers origin(f.inputs()), corner(f.inputs(), cube), least(f.inputs(), -cube);
+  const auto rate = [&](const Network& of, const Box& box) { return rate_range(of, f, box, tanh).upper; };
+  const auto positive = [&](const Box& box) { return value_range(B, box, tanh).minus_lower; };
+  const auto negative = [&](const Box& box) { return value_range(B, box, tanh).upper; };
+  const auto in_band = [&](const Box& box) {
+    const Interval value = value_range(B, box, tanh);
+    return !(-value.minus_lower > claim.level_band || -value.upper > claim.level_band);
+  };
+  const Condition wanted[] = {{[&](const Box& box) {
+                                 return !within(box, {least, corner});
+                               },
+                               [&](const Box& box) { return rate(V, box); }},
+                              {[&](const Box& box) { return meets(claim, claim.initial, box); }, negative},
+                              {[&](const Box& box) { return meets(claim, claim.unsafe, box); }, positive},
+                              {[&](const Box& box) { return !within(box, claim.inner); }, positive},
+                              {in_band, [&](const Box& box) { return rate(B, box); }}};
+  for (size_t k = 0; k < std::size(wanted); ++k) {
     std::atomic<long> boxes = 0;
-    const Box open = cover(claim.workspace, condition, boxes);
-    say(what, open.lower.empty(), boxes);
+    const Box open = cover(starting_boxes(claim, k), wanted[k], boxes);
+    say(conditions[k][1], open.lower.empty(), boxes);
     for (const double x : open.lower) std::printf("  open at %.9g\n", x);
-  };
-  const auto away = [&](const Box& box) {
-    const auto far = [&](double x) { return std::fabs(x) > cube; };
-    return std::any_of(box.lower.begin(), box.lower.end(), far) ||
-           std::any_of(box.upper.begin(), box.upper.end(), far);
-  };
-  const auto barrier = [&](const Boxes& boxes) { return B.scalar(boxes).range(boxes); };
-  const auto positive = [&](const Boxes& boxes) { return barrier(boxes).minus_lower; };
-  const auto negative = [&](const Boxes& boxes) { return barrier(boxes).upper; };
-  const auto rate = [&](const Enclosure& of, const Boxes& x) {
-    return of.scalar(x, f.outputs(x)).range(x).upper;
-  };
-  const auto rate_in_band = [&](const Boxes& boxes) {
-    const Row value = barrier(boxes);
-    const auto beyond = (-value.minus_lower > claim.level_band) | (-value.upper > claim.level_band);
-    return beyond ? all_lanes(-1.0) : rate(B, boxes);
-  };
-  ask("Vdot < 0 but at the goal", {away, [&](const Boxes& boxes) { return rate(V, boxes); }});
-  ask("B < 0 on the initial set",
-      {[&](const Box& box) { return meets(claim, claim.initial, box); }, negative});
-  ask("B > 0 on the unsafe set", {[&](const Box& box) { return meets(claim, claim.unsafe, box); }, positive});
-  ask("B > 0 on the workspace's margin and boundary",
-      {[&](const Box& box) { return meets_margin(claim, box); }, positive});
-  ask("Bdot < 0 where |B| <= the band", {[](const Box&) { return true; }, rate_in_band});
-  const std::vector<double> origin(claim.f.inputs());
-  say("B(0) <= 0", barrier(side_by_side({Box{origin, origin}})).upper[0] <= 0.0);
-  say("the initial set lies in the workspace", is_initial_inside(claim));
+  }
+  say("B(0) <= 0", negative({origin, origin}) <= 0.0);
+  bool inside = true;  // the initial set has no point beyond any face of the workspace
+  for (size_t d = 0; d < origin.size(); ++d) {
+    Box above{Numbers(origin.size(), -1e300), Numbers(origin.size(), 1e300)}, below = above;
+    above.lower[d] = std::nextafter(claim.workspace.upper[d], INFINITY);
+    below.upper[d] = std::nextafter(claim.workspace.lower[d], -INFINITY);
+    inside = inside && !meets(claim, claim.initial, above) && !meets(claim, claim.initial, below);
+  }
+  say("the initial set lies in the workspace", inside);
   if (all)
     std::printf(
         "Checked: every motion xdot = f(x) that starts in {B <= 0} stays in it for ever, never touches the "
         "unsafe set, and converges to the goal; the initial set lies in {B <= 0}.\n");
-  for (const std::string& policy : policies) say("weights in " + policy, carries_weights(policy, claim));
+  for (const string& policy : policies) say("weights in " + policy, carries_weights(policy, claim));
   return all;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  const std::vector<string> arguments(argv + 1, argv + argc);
   if (arguments.empty() || arguments[0].starts_with("-")) {
-    std::fprintf(stderr, "usage: s2nnds-check RUN.h5 [POLICY ...]\n");
+    std::fprintf(stderr, "usage: s2nnds-check FILE [POLICY ...]\n");
     return 2;
   }
   try {

@@ -216,15 +216,26 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   if (arguments.beta) options.conformal.beta = *arguments.beta;
   validate(options);
   const Method method = enum_from<Method>(arguments.method);
+  check(arguments.artifact.empty() || method == Method::proof,
+        "verify: found --artifact with --method {}, expected proof", arguments.method);
+  if (!arguments.artifact.empty()) check_writable(arguments.artifact);
   if (!record.certificate.conditions.empty() &&
       record.certificate.scope != certified_scope(setup, record.networks)) {
     spdlog::warn("{}: its certificate spoke of other weights or another problem; a new one begins",
                  arguments.run);
   }
-  s2nnds::verify(setup, record, method, options, proof_printer());
+  ProofCovers covers;
+  s2nnds::verify(setup, record, method, options, proof_printer(),
+                 arguments.artifact.empty() ? nullptr : &covers);
   save_run(arguments.run, record);
+  if (!covers.empty()) save_proof(arguments.artifact, record, covers);
   fmt::print("{}", condition_tables(record));
   report(record, arguments.run, common);
+  if (!covers.empty()) {
+    fmt::print("  proof           {}\n", arguments.artifact);
+  } else if (!arguments.artifact.empty()) {
+    spdlog::warn("{}: not written, since the run is not proved to be invariant", arguments.artifact);
+  }
   for (const ConditionVerdict& found : record.certificate.conditions) {
     const Verdict wanted = method == Method::proof ? Verdict::proved : Verdict::passed;
     if (found.method == method && found.verdict != wanted) return kNotVerified;

@@ -42,6 +42,7 @@ int adapt(const AdaptArguments& arguments, const CommonArguments& common);
 struct VerifyArguments {
   std::string run;
   std::string method = "conformal";
+  std::string artifact;  // proof: where the boxes that prove it go; "": nowhere
   std::optional<std::int64_t> samples;
   std::optional<double> epsilon, beta;
 };

@@ -105,6 +105,8 @@ int run(int argc, char** argv) {
   sub->add_option("run", verification.run, "run file")->required();
   sub->add_option("--method", verification.method, "sampled, conformal or proof")
       ->check(CLI::IsMember({"sampled", "conformal", "proof"}));
+  sub->add_option("--artifact", verification.artifact,
+                  "proof: also write the problem, the weights and the boxes that prove it, for s2nnds-check");
   sub->add_option("--samples", verification.samples, "samples a region");
   sub->add_option("--epsilon", verification.epsilon, "conformal: share of a region that may be violated");
   sub->add_option("--beta", verification.beta, "conformal: one minus the confidence");

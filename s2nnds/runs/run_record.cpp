@@ -430,6 +430,20 @@ void save_run(const std::string& path, const RunRecord& record) {
   file.commit();
 }
 
+void save_proof(const std::string& path, const RunRecord& record, const ProofCovers& covers) {
+  check_record_of(path, record);
+  Hdf5Writer file(path);
+  file.write_attribute("/", "program_version", record.program_version);
+  file.write_attribute("/", "name", record.name);
+  file.write_attribute("/data", "dimension", record.data.dimension);
+  write_network(file, "/networks/f", record.networks.f);
+  write_network(file, "/networks/V", record.networks.V);
+  write_network(file, "/networks/B", record.networks.B);
+  file.write_attribute("/certificate", "scope", record.certificate.scope);
+  for (const auto& [name, bytes] : covers) file.write("/cover/" + name, bytes);
+  file.commit();
+}
+
 RunRecord load_run(const std::string& path) {
   const Hdf5Reader file(path);
   check_schema(file);

@@ -158,6 +158,13 @@ void check_record(const RunRecord& record);
 // equal bytes.
 void save_run(const std::string& path, const RunRecord& record);
 
+// The bisections (BisectionTree::bytes) that proved each condition, by its name.
+using ProofCovers = std::vector<std::pair<std::string, std::vector<std::uint8_t>>>;
+
+// Replaces the file at `path` by the record's proof, which s2nnds-check reads: networks, scope and covers alone, where
+// save_run() puts them, and /cover/NAME.
+void save_proof(const std::string& path, const RunRecord& record, const ProofCovers& covers);
+
 // Throws Error naming the file and the item: a missing or truncated file, another schema, wrong shapes,
 // weights that are not finite.
 RunRecord load_run(const std::string& path);

@@ -6,8 +6,8 @@
 #include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/statement.h"
 #include "s2nnds/verification/disturbance_margin.h"
-#include "s2nnds/verification/rounding_error.h"
 #include "s2nnds/verification/guarantee.h"
+#include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
 namespace {
@@ -15,10 +15,18 @@ namespace {
 // The proof's verdicts; side conditions, margins and open boxes go into the record.
 std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecord& record,
                                               const VerificationOptions& options,
-                                              const ProofProgress& progress) {
+                                              const ProofProgress& progress, ProofCovers* covers) {
   Certificate& certificate = record.certificate;
   const ProofFunctions functions = ProofFunctions::of(record.networks);
-  const ProofResult result = prove(functions, setup.problem, certificate.level_band, options.proof, progress);
+  ProofOptions limits = options.proof;
+  limits.keep_tree = covers != nullptr;
+  const ProofResult result = prove(functions, setup.problem, certificate.level_band, limits, progress);
+  if (covers != nullptr && result.guarantee == Guarantee::invariant) {
+    for (const ConditionProof& proof : result.conditions) {
+      if (proof.verdict.boxes > 0)
+        covers->emplace_back(to_string(proof.verdict.condition), proof.tree.bytes());
+    }
+  }
   record.open_boxes.clear();
   for (const ConditionProof& proof : result.conditions) {
     if (proof.open_lower.rows() == 0) continue;
@@ -40,7 +48,8 @@ std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecor
 }
 
 std::vector<ConditionVerdict> verdicts_by(Method method, const PreparedRun& setup, RunRecord& record,
-                                          const VerificationOptions& options, const ProofProgress& progress) {
+                                          const VerificationOptions& options, const ProofProgress& progress,
+                                          ProofCovers* covers) {
   Certificate& certificate = record.certificate;
   switch (method) {
     case Method::sampled:
@@ -53,7 +62,7 @@ std::vector<ConditionVerdict> verdicts_by(Method method, const PreparedRun& setu
       return verdicts;
     }
     case Method::proof:
-      return verify_by_proof(setup, record, options, progress);
+      return verify_by_proof(setup, record, options, progress, covers);
   }
   fail("method: found the value {}, expected 0 to 2", static_cast<int>(method));
 }
@@ -67,7 +76,7 @@ double& seconds_of(Method method, RunTiming& timing) {
 }  // namespace
 
 void verify(const PreparedRun& setup, RunRecord& record, Method method, const VerificationOptions& options,
-            const ProofProgress& progress) {
+            const ProofProgress& progress, ProofCovers* covers) {
   const Stopwatch watch;
   Certificate& certificate = record.certificate;
   // What was found of other weights or of another problem is void. The conformal attempts go on being counted.
@@ -80,7 +89,8 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
   certificate.level_band = setup.config.training.level_band;
   certificate.barrier_float32_error = float32_error(record.networks.B, setup.problem.workspace);
   certificate.barrier_float64_error = float64_error(record.networks.B, setup.problem.workspace);
-  const std::vector<ConditionVerdict> verdicts = verdicts_by(method, setup, record, options, progress);
+  const std::vector<ConditionVerdict> verdicts =
+      verdicts_by(method, setup, record, options, progress, covers);
   std::erase_if(certificate.conditions, [&](const ConditionVerdict& old) { return old.method == method; });
   certificate.conditions.insert(certificate.conditions.end(), verdicts.begin(), verdicts.end());
   certificate.guarantee = guarantee_of(certificate.conditions, certificate.side, setup.problem);

@@ -7,9 +7,10 @@ namespace s2nnds {
 
 // Checks the record's networks and updates its certificate: verdicts, guarantee and statement. Earlier
 // verdicts of other methods stay. Each conformal call is a further attempt, which spends its share of beta.
-// `progress` hears of the proof's levels. Throws Error when the certificate speaks of other weights.
+// `progress` hears of the proof's levels; `covers` receives the boxes that prove each condition, where all are proved.
+// Throws Error when the certificate speaks of other weights.
 void verify(const PreparedRun& setup, RunRecord& record, Method method, const VerificationOptions& options,
-            const ProofProgress& progress = nullptr);
+            const ProofProgress& progress = nullptr, ProofCovers* covers = nullptr);
 
 // verify() by the methods up to the configured one, from the weakest on: what ends a training.
 void verify_as_configured(const PreparedRun& setup, RunRecord& record,

@@ -112,6 +112,17 @@ void bisect(Points& lower, Points& upper, Eigen::Index first, std::int32_t cuts)
   bisect(lower, upper, second, cuts - 1);
 }
 
+// What becomes of the boxes of a level without open ones.
+std::vector<std::int8_t> as_recorded(const Level& level) {
+  std::vector<std::int8_t> boxes;
+  for (std::size_t row = 0; row < level.status.size(); ++row) {
+    boxes.push_back(level.status[row] == BoxStatus::undecided  ? static_cast<std::int8_t>(level.cuts[row])
+                    : level.status[row] == BoxStatus::excluded ? BisectionTree::excluded
+                                                               : BisectionTree::shown);
+  }
+  return boxes;
+}
+
 // The parts of the undecided boxes.
 Level next_level(const Level& level, const std::vector<Eigen::Index>& rows) {
   Eigen::Index count = 0;
@@ -172,10 +183,12 @@ BranchResult branch_and_bound(Points lower, Points upper,
       progress({result.boxes, static_cast<std::int64_t>(undecided.size()), open.refuted(), depth,
                 watch.seconds()});
     }
+    if (limits.keep_tree) result.tree.add_level(as_recorded(level));
     level = next_level(level, undecided);
   }
   open.report(limits.kept_boxes, result);
   result.proved = result.open_boxes == 0;
+  if (!result.proved) result.tree = {};
   result.seconds = watch.seconds();
   return result;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "s2nnds/core/points.h"
+#include "s2nnds/verification/bisection_tree.h"
 
 namespace s2nnds {
 
@@ -22,11 +23,13 @@ struct BranchLimits {
   std::int64_t max_abandoned = std::numeric_limits<std::int64_t>::max();
   std::int64_t kept_boxes = 10000;  // open boxes that are returned, at most
   double max_seconds = 600.0;       // wall clock, > 0; boxes not examined by then are left open
+  bool keep_tree = false;           // whether BranchResult::tree is filled
 };
 
 // What is known of a box after a look at it.
 enum class BoxStatus : std::uint8_t {
   proved,     // the statement holds on the whole box
+  excluded,   // it asks nothing of the box
   undecided,  // to be bisected
   refuted,    // holds a point where the statement certainly fails
   // Not decided, and not worth bisecting.
@@ -66,6 +69,7 @@ struct BranchResult {
       open_upper;               // [kept, n] their upper corners
   Points witnesses;             // [kept refuted, n], the worst one first
   double worst = 0.0;           // its violation
+  BisectionTree tree;           // of the start's boxes, where all was proved and BranchLimits asked for it
   double seconds = 0.0;         // wall clock
 };
 

@@ -299,12 +299,26 @@ class Search {
   Stopwatch watch_;
 };
 
+// What is found out without looking.
+BranchResult all_open(const Box& workspace) {
+  BranchResult result;
+  result.stopped = true;
+  result.open_boxes = 1;
+  result.open_lower = workspace.lower.transpose();
+  result.open_upper = workspace.upper.transpose();
+  result.open_volume = (workspace.upper - workspace.lower).prod();
+  result.witnesses = Points(0, workspace.dimension());
+  return result;
+}
+
 }  // namespace
 
 DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem) {
   const StandardFloatingPoint mode;
-  Search search(functions, problem);
   DisturbanceMargin result;
+  result.convergence_radius = infinity;
+  if (!functions.beyond_range(problem.workspace).empty()) return result;
+  Search search(functions, problem);
   std::optional<LevelSetCover> cover = search.cover();
   if (cover && std::isfinite(cover->weakest)) {
     // Steps start from the cover; one that fails would go on to the limit.
@@ -330,6 +344,8 @@ DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const Safe
 BranchResult prove_under_disturbance(const ProofFunctions& functions, const SafetyProblem& problem,
                                      double disturbance, std::int64_t kept_boxes) {
   check(disturbance >= 0.0, "proof under disturbance: the disturbance is {}, expected >= 0", disturbance);
+  const StandardFloatingPoint mode;
+  if (!functions.beyond_range(problem.workspace).empty()) return all_open(problem.workspace);
   Search search(functions, problem);
   search.keep(kept_boxes);
   LevelSetCover cover;
@@ -338,6 +354,8 @@ BranchResult prove_under_disturbance(const ProofFunctions& functions, const Safe
 
 double convergence_radius(const ProofFunctions& functions, const SafetyProblem& problem, double disturbance) {
   check(disturbance >= 0.0, "convergence radius: the disturbance is {}, expected >= 0", disturbance);
+  const StandardFloatingPoint mode;
+  if (!functions.beyond_range(problem.workspace).empty()) return infinity;
   return Search(functions, problem).radius(disturbance);
 }
 

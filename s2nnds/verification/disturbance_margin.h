@@ -22,6 +22,8 @@ struct DisturbanceMargin {
   double seconds = 0.0;    // wall clock
 };
 
+// Below, functions whose underflow is not covered (ProofFunctions::beyond_range) withstand nothing.
+
 // The largest disturbance that the barrier provably withstands, by bisection. Sound in floating point.
 DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem);
 

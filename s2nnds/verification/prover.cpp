@@ -143,7 +143,7 @@ class ConditionExaminer final : public BoxExaminer {
     for (Eigen::Index row = batch.first; row < batch.first + batch.count; ++row) {
       const Box box = box_of(batch.lower, batch.upper, row);
       if (location(box) == Location::outside) {
-        batch.status[row] = BoxStatus::proved;
+        batch.status[row] = BoxStatus::excluded;
       } else if (is_lyapunov() && box.lower.cwiseAbs().maxCoeff() <= hopeless_radius &&
                  box.upper.cwiseAbs().maxCoeff() <= hopeless_radius) {
         batch.status[row] = BoxStatus::abandoned;
@@ -162,7 +162,7 @@ class ConditionExaminer final : public BoxExaminer {
       for (std::size_t lane = 0; lane < tile_rows.size(); ++lane) {
         const auto at = static_cast<Eigen::Index>(lane);
         if (low(at) > statement_.level_band || high(at) < -statement_.level_band) {
-          batch.status[tile_rows[lane]] = BoxStatus::proved;
+          batch.status[tile_rows[lane]] = BoxStatus::excluded;
         } else {
           kept.push_back(tile_rows[lane]);
         }
@@ -272,7 +272,7 @@ bool is_initial_in_workspace(const SafetyProblem& problem) {
 ConditionProof decide(const Statement& statement, const BranchLimits& limits, const ProofProgress& progress) {
   Points lower, upper;
   starting_boxes(statement, lower, upper);
-  const BranchResult found = branch_and_bound(
+  BranchResult found = branch_and_bound(
       std::move(lower), std::move(upper), [&] { return std::make_unique<ConditionExaminer>(statement); },
       limits,
       [&](const BranchProgress& state) {
@@ -282,6 +282,7 @@ ConditionProof decide(const Statement& statement, const BranchLimits& limits, co
   proof.open_lower = found.open_lower;
   proof.open_upper = found.open_upper;
   proof.witnesses = found.witnesses;
+  proof.tree = std::move(found.tree);
   proof.verdict.verdict = found.proved                 ? Verdict::proved
                           : found.witnesses.rows() > 0 ? Verdict::refuted
                                                        : Verdict::undecided;
@@ -293,20 +294,6 @@ ConditionProof decide(const Statement& statement, const BranchLimits& limits, co
     proof.verdict.witness.assign(found.witnesses.data(), found.witnesses.data() + found.witnesses.cols());
   }
   return proof;
-}
-
-// The functions whose underflow the bounds do not cover (rounding.h); "" if there is none.
-std::string beyond_range(const ProofFunctions& functions, const Box& workspace) {
-  const double reach = std::max(workspace.lower.cwiseAbs().maxCoeff(), workspace.upper.cwiseAbs().maxCoeff());
-  for (const auto& [name, function] :
-       {std::pair{"f", &functions.f}, std::pair{"V", &functions.V}, std::pair{"B", &functions.B}}) {
-    const double growth = (*function)->growth(reach);
-    if (!(growth <= largest_growth)) {
-      return fmt::format("{} can magnify numbers by {:.1e}, beyond the {:.0e} for which underflow is covered",
-                         name, growth, largest_growth);
-    }
-  }
-  return "";
 }
 
 // The whole workspace is left open.
@@ -371,6 +358,18 @@ ProofFunctions ProofFunctions::of(const Networks& networks) {
           std::make_shared<NetworkFunction>(networks.B)};
 }
 
+std::string ProofFunctions::beyond_range(const Box& workspace) const {
+  const double reach = std::max(workspace.lower.cwiseAbs().maxCoeff(), workspace.upper.cwiseAbs().maxCoeff());
+  for (const auto& [name, function] : {std::pair{"f", &f}, std::pair{"V", &V}, std::pair{"B", &B}}) {
+    const double growth = (*function)->growth(reach);
+    if (!(growth <= largest_growth)) {
+      return fmt::format("{} can magnify numbers by {:.1e}, beyond the {:.0e} for which underflow is covered",
+                         name, growth, largest_growth);
+    }
+  }
+  return "";
+}
+
 Points points_in_boxes(const Points& lower, const Points& upper, std::size_t count, RandomStream& random) {
   Points points(lower.rows() > 0 ? count : 0, lower.cols());
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
@@ -414,7 +413,7 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
   const Stopwatch watch;
   const StandardFloatingPoint mode;
   ConditionProof proof;
-  if (const std::string reason = beyond_range(functions, problem.workspace); !reason.empty()) {
+  if (const std::string reason = functions.beyond_range(problem.workspace); !reason.empty()) {
     proof = not_examined(problem, reason);
   } else if (condition == Condition::lyapunov_positive && functions.V->is_positive_by_construction()) {
     proof = holds_by_construction(problem);
@@ -444,11 +443,10 @@ ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem,
     result.boxes += proof.verdict.boxes;
     result.conditions.push_back(std::move(proof));
   }
-  result.side = {
-      .goal_is_equilibrium = functions.f->vanishes_at_goal(),
-      .lyapunov_vanishes_at_goal = functions.V->vanishes_at_goal(),
-      .goal_is_safe = beyond_range(functions, problem.workspace).empty() && is_goal_safe(functions),
-      .initial_in_workspace = is_initial_in_workspace(problem)};
+  result.side = {.goal_is_equilibrium = functions.f->vanishes_at_goal(),
+                 .lyapunov_vanishes_at_goal = functions.V->vanishes_at_goal(),
+                 .goal_is_safe = functions.beyond_range(problem.workspace).empty() && is_goal_safe(functions),
+                 .initial_in_workspace = is_initial_in_workspace(problem)};
   result.guarantee = guarantee_of(result.verdicts(), result.side, problem);
   result.seconds = watch.seconds();
   return result;

@@ -29,6 +29,8 @@ struct ProofFunctions {
 
   // Copies the networks' weights. Throws Error as NetworkFunction does.
   static ProofFunctions of(const Networks& networks);
+  // Which of them has underflow that bounds over the workspace do not cover (rounding.h), in words; "" if none has.
+  std::string beyond_range(const Box& workspace) const;
 };
 
 // `count` points [count, n], each uniform in one of the boxes [N, n]; none if there is no box.
@@ -41,6 +43,9 @@ struct ConditionProof {
       open_upper;     // [kept, n] their upper corners
   Points witnesses;   // [refuted, n] a point of each of these that violates the condition, the worst first
   double goal_cube = 0.0;  // Lyapunov conditions: proved by interval Jacobians for 0 < |x|_inf <= goal_cube
+  // The boxes that proved it, of the workspace and for containment behind it of the lower and upper face of each
+  // axis, where BranchLimits::keep_tree asked for them.
+  BisectionTree tree;
 
   bool is_proved() const { return verdict.verdict == Verdict::proved; }  // on its whole region
   // `count` points [count, n] for training: the witnesses, then points drawn from the open boxes. Empty if

@@ -8,6 +8,8 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "s2nnds/core/random.h"
 #include "s2nnds/runs/certified_scope.h"
@@ -29,14 +31,20 @@ unsafe = {{ type = "ball", center = [{}, 1.05], radius = 0.1 }}
 level_band = {}
 )";
 
-RunRecord run_of(const std::string& config, const Networks& networks) {
+RunRecord run_of(const std::string& config, const Networks& networks, ProofCovers* covers = nullptr) {
   const PreparedRun setup = prepare(parse_config(config, "a test"), "");
   RunRecord record = new_record(setup, config);
   record.networks = networks;
   VerificationOptions options = setup.config.verification;
   options.proof.max_boxes = 100000;
-  verify(setup, record, Method::proof, options);
+  verify(setup, record, Method::proof, options, nullptr, covers);
   return record;
+}
+
+// The certificate of other weights, as if they had been proved.
+void claim(RunRecord& record, const Networks& networks) {
+  record.networks = networks;
+  seal_certificate(prepare(record), record);
 }
 
 class Checker : public testing::Test {
@@ -103,17 +111,64 @@ TEST_F(Checker, ShowsWhatTheProverProved) {
 
 TEST_F(Checker, DoesNotShowWhatIsFalse) {
   RunRecord record = run_of(fmt::format(kConfig, 0.2, 1.05, 0.01), simple_networks());
-  record.networks.B.layers.back().weight *= -1.0;
+  Networks other = simple_networks();
+  other.B.layers.back().weight *= -1.0;
+  record.networks = other;
+  EXPECT_EQ(exit_code(record), 2);  // not the weights that its text names
+  claim(record, other);
   EXPECT_EQ(exit_code(record), 3);
-  record.networks = simple_networks();
-  record.networks.f.layers.front().weight *= -1.0;
+  other = simple_networks();
+  other.f.layers.front().weight *= -1.0;
+  claim(record, other);
   EXPECT_EQ(exit_code(record), 3);
+}
+
+TEST_F(Checker, ReadsAProofAndRefusesOneWithAHole) {
+  ProofCovers covers;
+  const RunRecord record = run_of(fmt::format(kConfig, 0.2, 1.05, 0.01), simple_networks(), &covers);
+  ASSERT_EQ(covers.size(), 5u);
+  const std::string path = (folder_ / "proof.h5").string();
+  save_proof(path, record, covers);
+  EXPECT_EQ(exit_code(path), 0);
+  for (auto& [name, bytes] : covers) {
+    ASSERT_FALSE(bytes.empty()) << name;
+    const std::vector<std::uint8_t> whole = bytes;
+    bytes.pop_back();
+    if (bytes.empty()) bytes.push_back(0xff);  // bisections without an end
+    save_proof(path, record, covers);
+    EXPECT_EQ(exit_code(path), 2) << name;
+    bytes = whole;
+    bytes.push_back(0);
+    save_proof(path, record, covers);
+    EXPECT_EQ(exit_code(path), 2) << name;
+    bytes = whole;
+  }
+  save_proof(path, record, covers);
+  std::string file;
+  {
+    std::ifstream stream(path, std::ios::binary);
+    file.assign(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  }
+  const auto code_of = [&](const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+    return exit_code(path);
+  };
+  EXPECT_EQ(code_of(file), 0);
+  RandomStream random(3, "damage");
+  for (int k = 0; k < 40; ++k) {
+    std::string damaged = file;
+    damaged[random.below(damaged.size())] ^= static_cast<char>(1 << random.below(8));
+    EXPECT_EQ(code_of(damaged), 2) << k;
+    EXPECT_EQ(code_of(file.substr(0, random.below(file.size()))), 2) << k;
+  }
 }
 
 TEST_F(Checker, RefusesWhatItCannotReadWithOneCode) {
   EXPECT_EQ(exit_code(std::string("/no/such/run.h5")), 2);
   RunRecord record = run_of(fmt::format(kConfig, 0.2, 1.05, 0.01), simple_networks());
-  record.networks.B.layers.front().activation = Activation::elu;
+  Networks other = simple_networks();
+  other.B.layers.front().activation = Activation::elu;
+  claim(record, other);
   EXPECT_EQ(exit_code(record), 2);
 }
 
