@@ -13,6 +13,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/hdf5.h"
+#include "s2nnds/core/printable.h"
 #include "s2nnds/runs/hdf5_fields.h"
 
 namespace s2nnds {
@@ -335,6 +336,38 @@ void check_record_of(const std::string& path, const RunRecord& record) {
   }
 }
 
+RunRecord read_run(const std::string& path) {
+  const Hdf5Reader file(path);
+  check_schema(file);
+  RunRecord record;
+  record.program_version = file.text_attribute("/", "program_version");
+  record.library_versions = file.text_attribute("/", "library_versions");
+  record.created = file.text_attribute("/", "created");
+  record.name = file.text_attribute("/", "name");
+  record.seed = file.integer_attribute("/", "seed");
+  record.config = read_config(file);
+  record.data = read_data(file);
+  record.problem = read_problem(file);
+  record.history = read_history(file);
+  record.networks = {.f = read_network(file, "/networks/f"),
+                     .V = read_network(file, "/networks/V"),
+                     .B = read_network(file, "/networks/B")};
+  record.certificate = read_fields<Certificate>(file, "/certificate");
+  if (file.exists("/certificate/open_boxes")) {
+    for (const std::string& name : file.children("/certificate/open_boxes")) {
+      record.open_boxes.emplace_back(name, file.read_points("/certificate/open_boxes/" + name));
+    }
+  }
+  record.evaluation = read_fields<EvaluationSummary>(file, "/evaluation");
+  if (file.exists("/remarks")) record.remarks = file.read_texts("/remarks");
+  record.timing = read_fields<RunTiming>(file, "/timing");
+  record.rollouts = read_rollouts(file);
+  if (file.exists("/grid")) record.grid = read_grid(file, record.data.dimension);
+  if (file.exists("/checkpoint")) record.checkpoint = read_checkpoint(file);
+  check_record_of(path, record);
+  return record;
+}
+
 }  // namespace
 
 void EvaluationSummary::visit(FieldVisitor& v) {
@@ -445,35 +478,11 @@ void save_proof(const std::string& path, const RunRecord& record, const ProofCov
 }
 
 RunRecord load_run(const std::string& path) {
-  const Hdf5Reader file(path);
-  check_schema(file);
-  RunRecord record;
-  record.program_version = file.text_attribute("/", "program_version");
-  record.library_versions = file.text_attribute("/", "library_versions");
-  record.created = file.text_attribute("/", "created");
-  record.name = file.text_attribute("/", "name");
-  record.seed = file.integer_attribute("/", "seed");
-  record.config = read_config(file);
-  record.data = read_data(file);
-  record.problem = read_problem(file);
-  record.history = read_history(file);
-  record.networks = {.f = read_network(file, "/networks/f"),
-                     .V = read_network(file, "/networks/V"),
-                     .B = read_network(file, "/networks/B")};
-  record.certificate = read_fields<Certificate>(file, "/certificate");
-  if (file.exists("/certificate/open_boxes")) {
-    for (const std::string& name : file.children("/certificate/open_boxes")) {
-      record.open_boxes.emplace_back(name, file.read_points("/certificate/open_boxes/" + name));
-    }
+  try {
+    return read_run(path);
+  } catch (const Error& error) {
+    throw Error(printable(error.what()));  // names and words of the file stand in it
   }
-  record.evaluation = read_fields<EvaluationSummary>(file, "/evaluation");
-  if (file.exists("/remarks")) record.remarks = file.read_texts("/remarks");
-  record.timing = read_fields<RunTiming>(file, "/timing");
-  record.rollouts = read_rollouts(file);
-  if (file.exists("/grid")) record.grid = read_grid(file, record.data.dimension);
-  if (file.exists("/checkpoint")) record.checkpoint = read_checkpoint(file);
-  check_record_of(path, record);
-  return record;
 }
 
 }  // namespace s2nnds

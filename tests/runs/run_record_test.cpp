@@ -249,6 +249,8 @@ TEST(RunRecord, DamagedItemsAreNamed) {
             path +
                 ": /networks/V: activation: found \"relu\", expected one of identity, tanh, elu, softplus, "
                 "silu, sine");
+  EXPECT_EQ(error_after("f['networks/V'].attrs['activation_0'] = 'a\\nb'").find("found \"a?b\""),
+            path.size() + std::string(": /networks/V: activation: ").size());
   EXPECT_EQ(error_after("del f['certificate'].attrs['weight_hash']"),
             path + ": expected an attribute weight_hash of /certificate, found none");
   EXPECT_EQ(error_after("f['data'].attrs.modify('dimension', 0)"),
