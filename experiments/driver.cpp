@@ -12,6 +12,7 @@
 #include "program/writable.h"
 #include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/json_text.h"
 #include "s2nnds/core/platform.h"
 #include "s2nnds/core/python_module.h"
 #include "s2nnds/data/readers.h"
@@ -148,7 +149,7 @@ int run_driver(int argc, char** argv, const Driver& driver) {
     }
     results["runs"] = summaries_of(runs);
     if (!report.more.is_null()) results.update(report.more);
-    write_atomic_file(arguments.results, results.dump(1) + "\n", "the results");
+    write_atomic_file(arguments.results, s2nnds::json_text(results, 1) + "\n", "the results");
     fmt::print(stderr, "results: {}\n", arguments.results);
     if (!no_figures) report.draw();
   } catch (const CLI::Success& help) {
@@ -213,7 +214,7 @@ void draw_together(const std::string& name, const std::string& kind, const std::
   std::vector<std::string> words = {kind, figures / (name + ".png")};
   if (!found.is_null()) {
     words.push_back(fs::path(arguments.out) / (name + ".json"));
-    write_atomic_file(words.back(), found.dump(), "what the figure shows");
+    write_atomic_file(words.back(), s2nnds::json_text(found), "what the figure shows");
   }
   for (const Run& run : runs) {
     if (is_drawn(run, arguments)) words.push_back(run.path);

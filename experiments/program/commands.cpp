@@ -12,6 +12,7 @@
 #include "progress.h"
 #include "run_report.h"
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/json_text.h"
 #include "s2nnds/core/python_module.h"
 #include "s2nnds/core/settings.h"
 #include "s2nnds/data/readers.h"
@@ -200,7 +201,7 @@ int adapt(const AdaptArguments& arguments, const CommonArguments& common) {
     summary["adaptation"] = {{"outcome", to_string(found.outcome)},
                              {"seconds", found.seconds},
                              {"motion_change", found.motion_change}};
-    fmt::print("{}\n", summary.dump());
+    fmt::print("{}\n", s2nnds::json_text(summary));
   }
   return found.outcome == Adaptation::failed ? kNotVerified : kVerified;
 }
@@ -259,7 +260,7 @@ int evaluate(const EvaluateArguments& arguments, const CommonArguments& common) 
   if (common.json) {
     ordered_json summary = ordered_json::parse(summary_json(record, arguments.run));
     if (!arguments.splits.empty()) summary["demonstrations"] = demonstrations;
-    fmt::print("{}\n", summary.dump());
+    fmt::print("{}\n", s2nnds::json_text(summary));
   }
   return exit_code_of_training(setup, record);
 }

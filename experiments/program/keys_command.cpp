@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "s2nnds/core/json_text.h"
 #include "s2nnds/runs/config.h"
 
 namespace s2nnds::program {
@@ -139,7 +140,7 @@ int keys() {
     table.add(default_config(profile), fmt::format("profile = \"{}\"", profile));
     table.add_profile(profile);
   }
-  fmt::print("{}\n", table.rows().dump(1));
+  fmt::print("{}\n", s2nnds::json_text(table.rows(), 1));
   return 0;
 }
 

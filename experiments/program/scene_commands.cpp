@@ -15,6 +15,7 @@
 #include "s2nnds/core/atomic_file.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/hdf5.h"
+#include "s2nnds/core/json_text.h"
 #include "s2nnds/core/python_module.h"
 #include "s2nnds/core/toml_text.h"
 #include "s2nnds/data/readers.h"
@@ -125,7 +126,7 @@ void print_json(const Scene& scene, const std::string& config, const std::string
     json["clearances"].push_back(std::isinf(c.distance) ? nlohmann::ordered_json(nullptr)
                                                         : nlohmann::ordered_json(c.distance));
   }
-  fmt::print("{}\n", json.dump());
+  fmt::print("{}\n", s2nnds::json_text(json));
 }
 
 // ---- what files hold

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "s2nnds/core/json_text.h"
 #include "s2nnds/sweeps/result_table.h"
 
 namespace s2nnds::program {
@@ -78,7 +79,7 @@ void print_trials(const Sweep& sweep, bool json) {
       fmt::print("{:>7} {} {}\n", id, sweep.label(trial), axes_text(sweep, trial.point));
     }
   }
-  if (json) fmt::print("{}\n", ordered_json({{"name", options.name}, {"trials", list}}).dump());
+  if (json) fmt::print("{}\n", s2nnds::json_text(ordered_json({{"name", options.name}, {"trials", list}})));
 }
 
 bool report_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepState& state, bool json) {
@@ -102,7 +103,7 @@ bool report_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepStat
         {"rung", state.rung},
         {"best", ranked && !ranking.empty() ? best_json(sweep, ranking.front()) : ordered_json(nullptr)},
         {"table", folder.file("table.h5")}};
-    fmt::print("{}\n", summary.dump());
+    fmt::print("{}\n", s2nnds::json_text(summary));
   }
   return !ranking.empty() && ranking.front().feasible;
 }

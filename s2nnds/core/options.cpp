@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/json_text.h"
 #include "s2nnds/core/printable.h"
 #include "s2nnds/core/settings.h"
 #include "s2nnds/core/toml_text.h"
@@ -550,7 +551,7 @@ std::string options_detail::to_toml(const Visit& visit) {
 std::string options_detail::to_json(const Visit& visit) {
   JsonWriter writer;
   visit(writer);
-  return writer.root.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(writer.root);
 }
 
 void options_detail::validate(const Visit& visit) {

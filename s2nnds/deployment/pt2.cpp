@@ -5,6 +5,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/child_process.h"
+#include "s2nnds/core/json_text.h"
 #include "s2nnds/core/python_module.h"
 #include "s2nnds/deployment/pt2_writer.h"
 
@@ -41,7 +42,7 @@ std::string description(const Policy& policy) {
   policy.info.visit([&](const char* name, const auto& value, const char*) { info[name] = value; });
   const auto& [f, V, B] = policy.networks;
   const json networks = {{"f", describe(f)}, {"V", describe(V)}, {"B", describe(B)}};
-  return json{{"info", info}, {"networks", networks}}.dump();
+  return json_text(json{{"info", info}, {"networks", networks}});
 }
 
 // What a failed program said last.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "s2nnds/core/json_text.h"
 #include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/threads.h"
 
@@ -114,7 +115,7 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   if (threads.aten) json["threads"]["aten"] = *threads.aten;
   if (threads.blas) json["threads"]["blas"] = *threads.blas;
   json["run"] = path;
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace s2nnds

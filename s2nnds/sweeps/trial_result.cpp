@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "s2nnds/core/atomic_file.h"
+#include "s2nnds/core/json_text.h"
 
 namespace s2nnds {
 namespace {
@@ -48,8 +49,7 @@ void write_result(const std::string& path, const TrialResult& result) {
   json["seconds"] = result.seconds;
   json["metrics"] = ordered_json::object();
   for (const auto& [name, value] : result.metrics) json["metrics"][name] = value;
-  write_atomic_file(path, json.dump(-1, ' ', false, ordered_json::error_handler_t::replace) + "\n",
-                    "the result");
+  write_atomic_file(path, json_text(json) + "\n", "the result");
 }
 
 std::optional<TrialResult> read_result(const std::string& path) {

@@ -11,6 +11,7 @@
 #include <regex>
 
 #include "s2nnds/core/hdf5.h"
+#include "s2nnds/runs/summary.h"
 #include "s2nnds/runs/version.h"
 #include "tests/runs/temporary_directory.h"
 #include "tests/runs/unusual_record.h"
@@ -259,6 +260,12 @@ TEST(RunRecord, DamagedItemsAreNamed) {
             path + ": /grid/B: found the shape [2], expected [3, 2]");
   EXPECT_EQ(error_after("del f['data/train']; f['data/train'] = [0.5]"),
             path + ": /data/train: expected integers of 1 dimension, found numbers of shape [1]");
+}
+
+TEST(RunRecord, TextsThatAreNotUtf8AreShown) {
+  RunRecord record = unusual_record();
+  record.problem.unsafe = "\xFFx";
+  EXPECT_NE(summary_json(record, "run.h5").find("\xEF\xBF\xBDx"), std::string::npos);
 }
 
 TEST(RunRecord, TruncatedFilesAreErrors) {
