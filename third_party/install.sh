@@ -36,6 +36,7 @@ build libonnx-dev header:onnx/onnx_pb.h
 build libprotobuf-dev header:google/protobuf/message.h
 build libssl-dev header:openssl/evp.h
 build libmpfr-dev header:mpfr.h
+build libcpp-httplib-dev header:httplib.h
 build python3 command:python3
 build python3-numpy module:numpy
 build python3-h5py module:h5py

@@ -16,6 +16,7 @@
 #include "s2nnds/deployment/export_format.h"
 #include "s2nnds/runs/version.h"
 #include "scene_commands.h"
+#include "studio_command.h"
 #include "sweep_command.h"
 
 namespace {
@@ -134,6 +135,20 @@ int run(int argc, char** argv) {
   sub->add_option("run", figures.run, "run file")->required();
   sub->add_option("--out", figures.out, "folder for the figures (default RUN-figures)");
   sub->callback([&] { code = plot(figures); });
+
+  StudioArguments drawing;
+  sub = command("studio", "draw a motion in the browser and watch it become safe, or look at a run");
+  sub->add_option("run", drawing.run, "run file to look at");
+  sub->add_option("--folder", drawing.folder, "where drawing, runs and exports lie")->capture_default_str();
+  sub->add_option("--port", drawing.port, "of 127.0.0.1 (default: any that is free)")
+      ->check(CLI::Range(1, 65535));
+  sub->callback([&] { code = open_studio(drawing, common); });
+
+  ReportArguments page;
+  sub = command("report", "write a run as one HTML file that opens from disk");
+  sub->add_option("run", page.run, "run file")->required();
+  sub->add_option("--out", page.out, "file to write (default RUN.html)");
+  sub->callback([&] { code = report(page, common); });
 
   // Its own options are those of the Python module that does it, which also tells its help.
   sub = app.add_subcommand("import",

@@ -2,6 +2,7 @@
 #include "s2nnds/core/child_process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@
 #include <utility>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/platform.h"
 
 extern char** environ;
 
@@ -35,6 +37,7 @@ class Pipe {
   Pipe& operator=(const Pipe&) = delete;
 
   int reading() const { return ends_[0]; }
+  int take_reading() { return std::exchange(ends_[0], -1); }  // the caller closes it
   int writing() const { return ends_[1]; }
   void close_reading() { close_end(0); }
   void close_writing() { close_end(1); }
@@ -89,6 +92,32 @@ pid_t start(const std::vector<std::string>& words, const Pipe& input, const Pipe
   return child;
 }
 
+constexpr std::size_t kKept = 1 << 20;  // bytes of a running child's stdout and stderr
+
+// Appends, and forgets what came first.
+void keep(std::string& all, const char* part, std::size_t count) {
+  all.append(part, count);
+  if (all.size() > 2 * kKept) all.erase(0, all.size() - kKept);
+}
+
+// In the child, between fork and exec: system calls only.
+[[noreturn]] void become(char** arguments, int output, int errors, pid_t parent) {
+  ::setpgid(0, 0);
+  end_with_parent();
+  if (::getppid() != parent) ::_exit(127);  // the parent has ended already
+  sigset_t none;
+  ::sigemptyset(&none);
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  const int nothing = ::open("/dev/null", O_RDONLY);
+  if (nothing >= 0) ::dup2(nothing, STDIN_FILENO);
+  ::dup2(output, STDOUT_FILENO);
+  ::dup2(errors, STDERR_FILENO);
+  ::execv(arguments[0], arguments);
+  ::_exit(127);
+}
+
+int exit_code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
+
 }  // namespace
 
 ChildResult run_child(const std::vector<std::string>& words, const std::string& input) {
@@ -111,8 +140,88 @@ ChildResult run_child(const std::vector<std::string>& words, const std::string& 
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)
     check(errno == EINTR, "{}: cannot tell how it ended: {}", words[0], std::strerror(errno));
-  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.exit_code = exit_code_of(status);
   return result;
+}
+
+RunningChild::RunningChild(const std::vector<std::string>& words) {
+  check(!words.empty(), "RunningChild: found no program to start");
+  name_ = words[0];
+  check(::access(name_.c_str(), X_OK) == 0, "{}: cannot start: {}", name_, std::strerror(errno));
+  Pipe out(name_), err(name_);
+  std::vector<std::string> copies = words;
+  std::vector<char*> arguments;
+  for (std::string& word : copies) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const pid_t parent = ::getpid();
+  const pid_t child = ::fork();
+  if (child == 0) become(arguments.data(), out.writing(), err.writing(), parent);
+  check(child > 0, "{}: cannot start: {}", name_, std::strerror(errno));
+  ::setpgid(child, child);  // here too, so that it holds whoever comes first
+  child_ = child;
+  output_ = out.take_reading();
+  errors_ = err.take_reading();
+}
+
+RunningChild::~RunningChild() {
+  stop();
+  if (child_ != 0) finish();
+  ::close(output_);
+  ::close(errors_);
+}
+
+ChildResult RunningChild::wait(const std::function<void(const std::string&)>& on_line) {
+  std::string output, errors, line;
+  std::array<char, 65536> part{};
+  pollfd ends[2] = {{output_, POLLIN, 0}, {errors_, POLLIN, 0}};
+  while (ends[0].fd >= 0 || ends[1].fd >= 0) {
+    if (::poll(ends, 2, -1) < 0) {
+      check(errno == EINTR, "{}: cannot read what it says: {}", name_, std::strerror(errno));
+      continue;
+    }
+    for (pollfd& end : ends) {
+      if (end.fd < 0 || end.revents == 0) continue;
+      const ssize_t count = ::read(end.fd, part.data(), part.size());
+      if (count == 0 || (count < 0 && errno != EINTR)) end.fd = -1;
+      if (count <= 0) continue;
+      const auto size = static_cast<std::size_t>(count);
+      keep(&end == &ends[0] ? output : errors, part.data(), size);
+      if (&end == &ends[0]) continue;
+      for (std::size_t i = 0; i < size; ++i) {
+        if (part[i] != '\n') {
+          if (line.size() < kKept) line += part[i];
+          continue;
+        }
+        on_line(line);
+        line.clear();
+      }
+    }
+  }
+  if (!line.empty()) on_line(line);
+  ChildResult result = finish();
+  result.output = std::move(output);
+  result.errors = std::move(errors);
+  return result;
+}
+
+ChildResult RunningChild::finish() {
+  ChildResult result;
+  siginfo_t ended;
+  // It stays a zombie until the lock is held, so that stop() never kills another process of its number.
+  while (::waitid(P_PID, static_cast<id_t>(child_), &ended, WEXITED | WNOWAIT) < 0)
+    check(errno == EINTR, "{}: cannot tell how it ended: {}", name_, std::strerror(errno));
+  const std::lock_guard lock(mutex_);
+  int status = 0;
+  ::kill(-child_, SIGKILL);  // whoever of its group is left
+  ::waitpid(child_, &status, 0);
+  child_ = 0;
+  result.exit_code = exit_code_of(status);
+  return result;
+}
+
+void RunningChild::stop() {
+  const std::lock_guard lock(mutex_);
+  if (child_ != 0) ::kill(-child_, SIGKILL);
 }
 
 }  // namespace s2nnds
