@@ -173,6 +173,8 @@ int train(const TrainArguments& arguments, const CommonArguments& common) {
                  UserUnits(start.record).length(start.setup.config.training.obstacle_margin));
   }
   verify_as_configured(start.setup, start.record, proof_printer());
+  save_run(start.path, start.record);  // what is known is there while the motion is being measured
+  spdlog::info("guarantee={}", to_string(start.record.certificate.guarantee));
   s2nnds::evaluate(start.setup, start.record);
   save_run(start.path, start.record);
   report(start.record, start.path, common);

@@ -201,6 +201,8 @@ ordered_json run_json(const RunRecord& record) {
         {"B", network_json(record.networks.B)}}},
       {"demonstrations", demonstrations_json(record.data)},
       {"obstacles", in_data ? obstacles_json(setup.config.problem.unsafe) : ordered_json(nullptr)},
+      {"initial", in_data ? shape_json(setup.problem.written_initial) : ordered_json(nullptr)},
+      {"remarks", record.remarks},
       {"unsafe_in_words", record.problem.unsafe},
       {"initial_in_words", record.problem.initial},
       {"levels", levels_json(setup.problem)},

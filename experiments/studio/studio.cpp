@@ -47,7 +47,7 @@ std::string read(const std::string& path) {
 // Two studios in one folder would write over each other's files.
 int locked(const std::string& folder) {
   std::error_code error;
-  fs::create_directories(folder, error);
+  fs::create_directories(folder + "/preview", error);
   const int file = ::open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   check(file >= 0, "{}: cannot write into it: {}", folder, std::strerror(errno));
   const bool taken = ::flock(file, LOCK_EX | LOCK_NB) != 0;
@@ -376,6 +376,7 @@ void Studio::work(const std::string& kind, const std::vector<std::string>& words
     ChildResult result;
     try {
       result = child.wait([&](const std::string& line) {
+        const bool certified = line.starts_with("guarantee=");
         const bool round = line.starts_with("round=") || line.starts_with("warm start");
         {
           const std::lock_guard lock(mutex_);
@@ -383,9 +384,14 @@ void Studio::work(const std::string& kind, const std::vector<std::string>& words
           if (job_->lines.size() > kMostLines) job_->lines.pop_front();
           changed();
         }
-        if (!round || now() - last < kRunPause) return;
-        show(run_path, false);
-        last = now();
+        if (certified || (round && now() - last >= kRunPause)) {
+          show(run_path, false);
+          last = now();
+        }
+        if (!certified) return;
+        const std::lock_guard lock(mutex_);
+        job_->certified = now() - began_;
+        changed();
       });
     } catch (...) {
       const std::lock_guard lock(mutex_);
@@ -448,8 +454,9 @@ ordered_json Studio::state() {
                        {"job", nullptr}};
   if (!job_) return json;
   const double seconds = job_->state == "running" ? now() - began_ : job_->seconds;
-  json["job"] = {{"kind", job_->kind},   {"state", job_->state}, {"message", job_->message},
-                 {"lines", job_->lines}, {"seconds", seconds},   {"exit_code", job_->exit_code}};
+  json["job"] = {{"kind", job_->kind},          {"state", job_->state}, {"message", job_->message},
+                 {"lines", job_->lines},        {"seconds", seconds},   {"exit_code", job_->exit_code},
+                 {"certified", job_->certified}};
   return json;
 }
 

@@ -72,6 +72,7 @@ class Studio {
     std::deque<std::string> lines;  // the last ones that it said
     double seconds = 0;             // that it took; while it runs, since it started
     int exit_code = 0;
+    double certified = 0;  // seconds until its proof was over; 0: not yet
   };
 
   std::string path(const std::string& name) const;

@@ -45,16 +45,32 @@ export function fillOfSet(values, side, place) {
   return path;
 }
 
+// The edge of the set as lines that go on from cell to cell, so that dashes do as well.
 export function edgeOfSet(values, side, place) {
-  const path = new Path2D();
+  const ends = new Map(); // by grid coordinates, the same in both cells of an edge: the lines that end there
+  const lines = new Set();
+  const name = (point) => `${point[0].toFixed(9)} ${point[1].toFixed(9)}`;
+  const join = (from, to) => {
+    const [a, b] = [ends.get(name(from)), ends.get(name(to))];
+    for (const line of [a, b]) if (line) for (const end of [line[0], line[line.length - 1]]) ends.delete(name(end));
+    if (a && name(a[0]) === name(from)) a.reverse();
+    if (b && b !== a && name(b[0]) !== name(to)) b.reverse();
+    const line = a === b && a ? [...a, to] : [...(a ?? [from]), ...(b ?? [to])];
+    lines.delete(a);
+    lines.delete(b);
+    lines.add(line);
+    if (name(line[0]) === name(line[line.length - 1])) return;
+    ends.set(name(line[0]), line);
+    ends.set(name(line[line.length - 1]), line);
+  };
   for (let a = 0; a + 1 < side; ++a) {
     for (let b = 0; b + 1 < side; ++b) {
       const cuts = cellPolygon(values, side, a, b).filter((point) => point.length === 3);
-      for (let k = 0; k + 1 < cuts.length; k += 2) {
-        path.moveTo(...place(cuts[k][0], cuts[k][1]));
-        path.lineTo(...place(cuts[k + 1][0], cuts[k + 1][1]));
-      }
+      for (let k = 0; k + 1 < cuts.length; k += 2) join(cuts[k], cuts[k + 1]);
     }
   }
+  const path = new Path2D();
+  for (const line of lines)
+    line.forEach((point, k) => (k ? path.lineTo(...place(point[0], point[1])) : path.moveTo(...place(point[0], point[1]))));
   return path;
 }

@@ -103,6 +103,7 @@ export class Portrait {
   refresh() {
     if (!this.width) return;
     this.fit();
+    this.box.style.aspectRatio = `${this.field[2] - this.field[0]} / ${this.field[3] - this.field[1]}`;
     this.flow.getContext('2d').clearRect(0, 0, this.width, this.height);
     const ink = {};
     for (const name of ['field', 'outside', 'safe', 'safe-edge', 'unsafe', 'unsafe-edge', 'initial', 'demonstration', 'held-out',
@@ -207,12 +208,12 @@ export class Portrait {
     c.strokeStyle = this.ink.initial;
     c.lineWidth = 1.5;
     c.setLineDash([5, 4]);
-    if (this.motion?.run.levels && !this.void) {
+    const known = this.drawing?.initial ?? this.motion?.run.initial ?? this.autoInitial;
+    if (known) {
+      c.stroke(pathOfShape(known, (x, y) => this.place(x, y), this.scale));
+    } else if (this.motion?.run.levels && !this.void) {
       const { side, initial } = this.motion.run.levels;
       c.stroke(edgeOfSet(unpack(initial), side, this.onGrid(side)));
-    } else {
-      const shape = this.drawing?.initial ?? this.autoInitial;
-      if (shape) c.stroke(pathOfShape(shape, (x, y) => this.place(x, y), this.scale));
     }
     c.setLineDash([]);
   }

@@ -81,12 +81,14 @@ function voidness() {
   return '';
 }
 
+// The proof is over; the motion is still being measured.
+const isProved = () => state?.job?.certified > 0;
 const running = () => state?.job?.state === 'running';
 
 // ---- what is shown
 
 function show() {
-  const busy = running();
+  const busy = running() && !isProved();
   const drawn = sketch.drawing.strokes.length > 0;
   const isVoid = voidness();
   const obstaclesMoved = isVoid.includes('obstacles');
@@ -109,7 +111,6 @@ function show() {
   chip.dataset.guarantee = isVoid ? 'void' : busy ? 'none' : (guarantee ?? 'none');
   chip.textContent = busy ? WORKS[state.job.kind] : isVoid ? 'Certificate void' : run ? GUARANTEES[guarantee] : 'Draw a motion';
   if (run) {
-    $('history').toggleAttribute('hidden', false);
     showHistory($('history'), run);
     if (!busy) showStatement($('statement'), run, isVoid);
   } else {
@@ -133,7 +134,7 @@ function showProgress() {
   const left = run ? `, ${portrait.counterexamples.length} counterexamples left` : '';
   $('progress').textContent = {
     running: `${WORKS[job.kind]}: ${seconds} s, ${rounds}${left}`,
-    done: `${job.kind === 'adapt' ? 'Adapted' : 'Learned'} in ${seconds} s.`,
+    done: `${job.kind === 'adapt' ? 'Adapted' : 'Learned'} in ${(job.certified || job.seconds).toFixed(1)} s.`,
     cancelled: `Cancelled after ${seconds} s. What was learned so far is shown; nothing is guaranteed of it.`,
     failed: `Failed after ${seconds} s: ${job.message}`,
   }[job.state];
