@@ -54,16 +54,9 @@ if(NOT TARGET s2nnds_onnx)
     ${Protobuf_LIBRARIES})  # by name: pip's torch defines the target too, empty
 endif()
 if(S2NNDS_BUILD_EXPERIMENTS)
-  find_path(HTTPLIB_INCLUDE_DIR httplib.h)                    # s2nnds studio (cpp-httplib 0.11); left out without it
-  find_library(HTTPLIB_LIBRARY cpp-httplib)
-  find_package(OpenSSL 3 QUIET COMPONENTS SSL)                # Debian builds it with this, and its headers ask for it
-  if(HTTPLIB_INCLUDE_DIR AND HTTPLIB_LIBRARY AND NOT TARGET s2nnds_httplib)
-    add_library(s2nnds_httplib INTERFACE IMPORTED)
-    target_include_directories(s2nnds_httplib SYSTEM INTERFACE ${HTTPLIB_INCLUDE_DIR})
-    # As the library was compiled: classes have members that depend on these.
-    target_compile_definitions(s2nnds_httplib INTERFACE CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT
-      CPPHTTPLIB_BROTLI_SUPPORT)
-    target_link_libraries(s2nnds_httplib INTERFACE ${HTTPLIB_LIBRARY} Threads::Threads)
+  find_package(PkgConfig QUIET)                               # it tells what cpp-httplib was compiled with
+  if(PKG_CONFIG_FOUND)
+    pkg_check_modules(HTTPLIB QUIET IMPORTED_TARGET cpp-httplib>=0.11)  # s2nnds studio; left out without it
   endif()
 endif()
 if(S2NNDS_BUILD_BENCHMARKS)

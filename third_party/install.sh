@@ -5,7 +5,8 @@
 # Usage: bash third_party/install.sh [build] [test] [notebook]      (default: all three)
 #   build      the library, the program, and the Python packages of its figures
 #   test       the tests
-#   notebook   Jupyter, for notebooks_export/*.ipynb; what cannot be had of it is named and stops nothing
+#   notebook   Jupyter, for notebooks_export/*.ipynb; what cannot be had of it is named and stops nothing, nor does
+#              the lack of cpp-httplib (s2nnds studio) or of a browser (its tests)
 # Where apt has no LibTorch (Ubuntu 24.04), pip's torch goes into the virtual environment build/venv, where CMake and
 # the tests find it. `build` alone then brings what the program runs with, `test` the whole torch: several gigabytes
 # with CUDA. PIP_INDEX_URL=https://download.pytorch.org/whl/cpu picks one without CUDA.
@@ -51,6 +52,9 @@ test python3-torch module:torch
 test python3-scipy module:scipy
 test python3-sklearn module:sklearn
 test python3-onnx module:onnx
+test python3-selenium module:selenium
+test chromium command:chromium
+test chromium-driver command:chromedriver
 notebook jupyter-nbconvert command:jupyter-nbconvert
 notebook python3-ipykernel module:ipykernel
 "
@@ -184,7 +188,7 @@ while read -r name package sign; do
     continue
   elif [[ $package == *torch* ]]; then
     torch+=("$package")
-  elif [[ $name == notebook ]]; then
+  elif [[ $name == notebook || $package =~ ^(libcpp-httplib-dev|chromium|chromium-driver|python3-selenium)$ ]]; then
     optional+=("$package")
   else
     missing+=("$package")

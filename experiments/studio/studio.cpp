@@ -352,17 +352,16 @@ void Studio::start(const std::string& kind, std::vector<std::string> words, cons
   {
     const std::lock_guard lock(mutex_);
     if (closing_) throw Conflict("the studio is closing");
-    job_ = Job{.kind = kind};
+    job_.emplace().kind = kind;
     cancelled_ = false;
     began_ = now();
     changed();
   }
-  worker_ = std::thread([this, kind, words = std::move(words), run_path] { work(kind, words, run_path); });
+  worker_ = std::thread([this, words = std::move(words), run_path] { work(words, run_path); });
 }
 
 // The thread of one child: it starts it, listens to it and waits for its end.
-void Studio::work(const std::string& kind, const std::vector<std::string>& words,
-                  const std::string& run_path) {
+void Studio::work(const std::vector<std::string>& words, const std::string& run_path) {
   std::string failure, shown_failure;
   int exit_code = 0;
   try {

@@ -78,7 +78,7 @@ class Studio {
   std::string path(const std::string& name) const;
   std::string next_run_path();
   void start(const std::string& kind, std::vector<std::string> words, const std::string& run_path);
-  void work(const std::string& kind, const std::vector<std::string>& words, const std::string& run_path);
+  void work(const std::vector<std::string>& words, const std::string& run_path);
   bool show(const std::string& run_path, bool final);  // whether it could be read
   void join();
   void changed();  // with mutex_ held

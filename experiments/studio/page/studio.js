@@ -88,21 +88,22 @@ const running = () => state?.job?.state === 'running';
 // ---- what is shown
 
 function show() {
-  const busy = running() && !isProved();
+  const works = running();
+  const busy = works && !isProved();
   const drawn = sketch.drawing.strokes.length > 0;
   const isVoid = voidness();
   const obstaclesMoved = isVoid.includes('obstacles');
-  $('learn').disabled = busy || !drawn || preview.refusals.length > 0;
+  $('learn').disabled = works || !drawn || preview.refusals.length > 0;
   $('learn').textContent = run && !isVoid ? 'Learn again' : 'Learn';
-  $('cancel').hidden = !busy;
-  $('adapt').hidden = busy || !obstaclesMoved;
+  $('cancel').hidden = !works;
+  $('adapt').hidden = works || !obstaclesMoved;
   $('adapt').className = obstaclesMoved ? 'main' : '';
   $('learn').className = obstaclesMoved ? '' : 'main';
-  $('resume').hidden = busy || !run || run.finished || isVoid !== '' || state?.job?.state === 'cancelled';
+  $('resume').hidden = works || !run || run.finished || isVoid !== '' || state?.job?.state === 'cancelled';
   $('undo').disabled = sketch.done.length === 0;
   $('redo').disabled = sketch.undone.length === 0;
   $('statement-section').hidden = !run || busy;
-  $('downloads').hidden = !run || busy || isVoid !== '';
+  $('downloads').hidden = !run || works || isVoid !== '';
   $('play-section').hidden = !run || run.dimension !== 2;
   document.querySelector('[data-tool="play"]').disabled = !run;
   portrait.void = isVoid !== '' || busy;
@@ -133,7 +134,7 @@ function showProgress() {
   const rounds = run ? `round ${run.rounds}` : 'fitting the demonstrations';
   const left = run ? `, ${portrait.counterexamples.length} counterexamples left` : '';
   $('progress').textContent = {
-    running: `${WORKS[job.kind]}: ${seconds} s, ${rounds}${left}`,
+    running: isProved() ? `Proof over after ${job.certified.toFixed(1)} s; measuring the motion` : `${WORKS[job.kind]}: ${seconds} s, ${rounds}${left}`,
     done: `${job.kind === 'adapt' ? 'Adapted' : 'Learned'} in ${(job.certified || job.seconds).toFixed(1)} s.`,
     cancelled: `Cancelled after ${seconds} s. What was learned so far is shown; nothing is guaranteed of it.`,
     failed: `Failed after ${seconds} s: ${job.message}`,
