@@ -134,6 +134,7 @@ RoundPlan search_plan(const History& history, const TrainerOptions& options) {
     weight[LossTerm::imitation] = weight[LossTerm::lyapunov] = weight[LossTerm::obstacle_normal] = 0.0;
     return plan;
   }
+  if (options.refine) plan.repairs = 1;
   plan.refining = plan.starts_anew ? 0 : refining_round(history, options);
   if (plan.refining == 0) return plan;
   plan.rate *= kRefinedRate;
@@ -176,6 +177,11 @@ RoundPlan stage_plan(const History& history, const TrainerOptions& options) {
     if (history.back().round >= options.rounds) return {.finished = true};
     return search_plan(history, options);
   }
+  // What is certified but follows nothing is left as it is.
+  const bool follows = std::any_of(history.begin(), history.end(), [&](const RoundSummary& row) {
+    return row.round >= options.min_rounds && row.is_kept();
+  });
+  if (!follows) return {.finished = true};
   if (rounds_in(history, Stage::imitation_finetune) < options.imitation_finetune_rounds)
     return imitation_finetune_plan(history, options);
   // Without rollouts nothing tells where B may be smaller.

@@ -140,7 +140,7 @@ TEST(Plan, DoesNotTakeACertificateOfAnotherMotion) {
   expect_plans({}, {{"once", {kOther}, kAnew + more},
                     {"it lasts", {kOther, kBad}, kSearch + "0.9" + more},
                     {"twice", 2 * kOther, kAnew + ", imitation 9"},
-                    {"it is taken at last", 3 * kOther, kFinetune + ", imitation 10"}});
+                    {"it is taken at last, as it is", 3 * kOther, "finished"}});
   EXPECT_FALSE(has_clean_round(history_of(2 * kOther), {}));
   EXPECT_TRUE(has_clean_round(history_of({kOther, kClean}), {}));
 }
