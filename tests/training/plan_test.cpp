@@ -59,7 +59,8 @@ std::string told(const RoundPlan& next, const TrainerOptions& options) {
   if (next.backtracks) text += ", backtracks";
   if (next.only_barrier) text += ", only B";
   if (next.undone_unless_clean) text += ", may be undone";
-  if (next.repairs > 0) text += fmt::format(", {} repairs", next.repairs);
+  const bool usual = next.stage == Stage::search && options.refine && !next.only_barrier;
+  if (next.repairs != (usual ? 1 : 0)) text += fmt::format(", {} repairs", next.repairs);
   text += fmt::format("; rate {:.4g}", next.rate);
   for (const LossTerm term : all_loss_terms) {
     const double before = options.loss.weight[term], now = next.loss.weight[term];
