@@ -88,8 +88,8 @@ struct TrainerOptions {
   bool backtrack = true;         // motions that violate a condition are followed back and corrected
   double max_level_shift = 0.1;  // of B after a round, to a better level without violations, >= 0; 0: none
   std::int64_t imitation_finetune_rounds = 7;  // rounds after a clean one that fit f more closely, >= 0
-  std::int64_t enlarge_rounds = 14;    // rounds after these that train B alone, for a larger safe set, >= 0
-  std::int64_t enlarge_steps = 400;    // Adam steps of such a round, >= 1
+  std::int64_t enlarge_rounds = 13;    // rounds after these that train B alone, for a larger safe set, >= 0
+  std::int64_t enlarge_steps = 300;    // Adam steps of such a round, >= 1
   double weight_decay = 0.2;           // decoupled (AdamW), of all weights of f, >= 0
   std::int64_t rollout_points = 4000;  // points of X labelled by rollouts, anew every round, >= 0; 0: none
   double smoothing = 1.0;  // share, in [0, 1], of a phase regression in the velocities that f is fitted to
