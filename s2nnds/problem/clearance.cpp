@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/problem/clearance.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
 #include <queue>
 #include <utility>
 
 namespace s2nnds {
 namespace {
 
-constexpr int kMostBoxes = 1'000'000;
+constexpr int kMostBoxes = 200'000;
+constexpr double kDifference = 1e-6;  // of a gradient, in the region's coordinates
 
 // A box, and where it is nearest to the points.
 struct Candidate {
@@ -23,16 +27,48 @@ Vector nearest_in(const Box& box, const Vector& point) {
 }
 
 Candidate make_candidate(Box box, const Points& points) {
-  Candidate found{std::move(box), std::numeric_limits<double>::infinity(), 0};
+  double least = std::numeric_limits<double>::infinity();
+  Eigen::Index nearest = 0;
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    const Vector point = points.row(i).transpose();
-    const double distance = (nearest_in(found.box, point) - point).norm();
-    if (distance < found.distance) {
-      found.distance = distance;
-      found.point = i;
+    double squared = 0.0;
+    for (Eigen::Index j = 0; j < points.cols() && squared < least; ++j) {
+      const double beside = std::max({box.lower[j] - points(i, j), points(i, j) - box.upper[j], 0.0});
+      squared += beside * beside;
+    }
+    if (squared < least) {
+      least = squared;
+      nearest = i;
     }
   }
-  return found;
+  return {std::move(box), std::sqrt(least), nearest};
+}
+
+Vector gradient(const Region& region, const Vector& x) {
+  Points around(2 * x.size(), x.size());
+  for (Eigen::Index j = 0; j < x.size(); ++j) {
+    around.row(2 * j) = around.row(2 * j + 1) = x.transpose();
+    around(2 * j, j) += kDifference;
+    around(2 * j + 1, j) -= kDifference;
+  }
+  const Vector level = region.level(around);
+  Vector slope(x.size());
+  for (Eigen::Index j = 0; j < x.size(); ++j)
+    slope[j] = (level[2 * j] - level[2 * j + 1]) / (2 * kDifference);
+  return slope;
+}
+
+// A level that is 1-Lipschitz is a lower bound of the distance, and `least` that of the points, at `from`. Where a
+// step straight down the level finds a point of the region no farther than least + tolerance, no box is needed:
+// in many dimensions boxes are too many.
+std::optional<Clearance> straight_down(const Region& region, const Vector& from, double least,
+                                       const Box& within, double tolerance) {
+  const Vector slope = gradient(region, from);
+  if (!(slope.norm() > 0)) return std::nullopt;
+  Vector to = from - (least + 0.5 * tolerance) * slope.normalized();
+  const bool inside =
+      (to.array() >= within.lower.array()).all() && (to.array() <= within.upper.array()).all();
+  if (!inside || !region.contains(to)) return std::nullopt;
+  return Clearance{least, std::move(to), from, 0};
 }
 
 }  // namespace
@@ -40,12 +76,18 @@ Candidate make_candidate(Box box, const Points& points) {
 // Best first: the nearest box that is inside, or whose nearest point is in the region, has the least distance.
 Clearance clearance(const Region& region, const Points& points, const Box& within, double tolerance) {
   Clearance result;
-  result.inside = (region.level(points).array() <= 0.0).count();
+  const Vector level = region.level(points);
+  Eigen::Index lowest = 0;
+  const double least = level.minCoeff(&lowest);
+  result.inside = (level.array() <= 0.0).count();
   if (result.inside > 0) {
-    Eigen::Index deepest = 0;
-    region.level(points).minCoeff(&deepest);
-    result.at = result.in_region = points.row(deepest).transpose();
+    result.at = result.in_region = points.row(lowest).transpose();
     return result;
+  }
+  if (region.is_lipschitz() && std::isfinite(least)) {
+    std::optional<Clearance> found =
+        straight_down(region, points.row(lowest).transpose(), least, within, tolerance);
+    if (found) return *found;
   }
   std::priority_queue<Candidate> open;
   open.push(make_candidate(within, points));

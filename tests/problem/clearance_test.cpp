@@ -16,7 +16,7 @@ Vector point(std::initializer_list<double> x) {
 }
 
 TEST(Clearance, IsTheDistanceFromABall) {
-  for (const Eigen::Index n : {2, 3}) {
+  for (const Eigen::Index n : {2, 3, 6}) {
     const RegionPtr obstacle = ball(Vector::Constant(n, 0.3), 0.2);
     RandomStream random(0, "clearance");
     const Points points = uniform_points(Box::cube(n, 1), 50, random);
@@ -33,7 +33,7 @@ TEST(Clearance, IsTheDistanceFromABall) {
     EXPECT_LE(found.distance, least + 1e-12);
     EXPECT_GE(found.distance, least - 2e-4);
     EXPECT_TRUE(found.at.isApprox(points.row(nearest).transpose()));
-    EXPECT_NEAR((found.in_region - found.at).norm(), found.distance, 1e-12);
+    EXPECT_NEAR((found.in_region - found.at).norm(), found.distance, 1e-4);
   }
 }
 
