@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "drawing.h"
+#include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/prepared_run.h"
 #include "s2nnds/runs/statement.h"
 #include "s2nnds/runs/user_units.h"
@@ -203,6 +204,7 @@ ordered_json run_json(const RunRecord& record) {
       {"obstacles", in_data ? obstacles_json(setup.config.problem.unsafe) : ordered_json(nullptr)},
       {"initial", in_data ? shape_json(setup.problem.written_initial) : ordered_json(nullptr)},
       {"remarks", record.remarks},
+      {"follows", follows_demonstrations(record)},
       {"unsafe_in_words", record.problem.unsafe},
       {"initial_in_words", record.problem.initial},
       {"levels", levels_json(setup.problem)},

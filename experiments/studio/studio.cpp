@@ -136,6 +136,19 @@ Drawing drawing_of(const RunRecord& record, Drawing before) {
   return before;
 }
 
+constexpr const char* kLookOnly =
+    "this run has sets that cannot be drawn here, so it can only be looked at; Clear begins a new drawing, "
+    "and "
+    "s2nnds adapt works on it from the command line";
+
+// Whether the drawing made of it says all of its sets.
+bool can_be_drawn(const RunRecord& record) {
+  if (record.data.dimension != 2) return false;
+  const ProblemOptions problem = parse_config(record.config.resolved, "the run's configuration").problem;
+  return problem.frame == "data" && !obstacles_json(problem.unsafe).is_null() &&
+         (problem.initial.type == "auto" || !shape_json(problem.initial).is_null());
+}
+
 }  // namespace
 
 Studio::Studio(std::string folder, std::string program)
@@ -146,6 +159,7 @@ Studio::Studio(std::string folder, std::string program)
     const nlohmann::json kept = nlohmann::json::parse(read(path("studio.json")));
     drawing_ = drawing_from(kept.at("drawing"));
     learned_ = kept.at("learned");
+    look_only_ = kept.at("look_only").get<bool>();
     const std::string run = kept.at("run").get<std::string>();
     if (!run.empty() && fs::path(run).filename() == run) show(path(run), true);
   } catch (const std::exception& error) {
@@ -173,6 +187,7 @@ void Studio::changed() {
 void Studio::keep_state() {
   const ordered_json kept = {{"drawing", to_json(drawing_)},
                              {"learned", learned_},
+                             {"look_only", look_only_},
                              {"run", run_path_.empty() ? "" : fs::path(run_path_).filename().string()}};
   write_atomic_file(path("studio.json"), kept.dump(), "the studio's state");
 }
@@ -188,6 +203,7 @@ bool Studio::show(const std::string& run_path, bool final) {
     return false;  // not written yet
   }
   const std::lock_guard lock(mutex_);
+  if (!adapting_.is_null() && run_path_ != run_path) learned_["obstacles"] = adapting_;
   json["number"] = ++run_version_;
   json["final"] = final;
   run_path_ = run_path;
@@ -212,6 +228,7 @@ void Studio::open_run(const std::string& from) {
   write_atomic_file(to, read(from), "the run");
   show(to, true);
   const std::lock_guard lock(mutex_);
+  look_only_ = !can_be_drawn(record);
   if (record.data.dimension == 2) {
     drawing_ = drawing_of(record, drawing_);
     ++drawing_version_;
@@ -259,6 +276,7 @@ void Studio::set_drawing(const nlohmann::json& json) {
   Drawing drawing = drawing_from(json);
   const std::lock_guard lock(mutex_);
   drawing_ = std::move(drawing);
+  if (!learned_.is_null() && to_json(drawing_)["strokes"] != learned_["strokes"]) look_only_ = false;
   ++drawing_version_;
   keep_state();
 }
@@ -305,7 +323,9 @@ void Studio::learn() {
     const std::lock_guard lock(mutex_);
     if (job_ && job_->state == "running") throw Conflict("a motion is being learned; cancel it first");
     run = next_run_path();
+    if (look_only_) throw Conflict(kLookOnly);
     learned_ = to_json(drawing);
+    adapting_ = nullptr;
     run_path_.clear();
     run_text_ = "null";
     ++run_version_;
@@ -340,7 +360,8 @@ void Studio::adapt() {
     if (run_path_.empty()) throw Conflict("there is no run yet");
     run = next_run_path();
     unsafe = unsafe_toml(drawing_);
-    learned_["obstacles"] = to_json(drawing_)["obstacles"];
+    if (look_only_) throw Conflict(kLookOnly);
+    adapting_ = to_json(drawing_)["obstacles"];
   }
   start("adapt", {program_, "adapt", run_path_, "--set", "problem.unsafe=" + unsafe, "--out", run, "--json"},
         run);
@@ -449,6 +470,7 @@ ordered_json Studio::state() {
                        {"has_run", !run_path_.empty()},
                        {"drawing", to_json(drawing_)},
                        {"learned", learned_},
+                       {"look_only", look_only_},
                        {"folder", folder_},
                        {"job", nullptr}};
   if (!job_) return json;

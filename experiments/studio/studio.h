@@ -89,6 +89,8 @@ class Studio {
   std::mutex mutex_;
   std::condition_variable change_;
   std::int64_t version_ = 1, run_version_ = 0, drawing_version_ = 0, run_number_ = 0;
+  bool look_only_ = false;                     // the drawing does not say all of the run's sets
+  nlohmann::ordered_json adapting_ = nullptr;  // the obstacles that the run under way is adapted to
   bool closing_ = false, cancelled_ = false, run_final_ = false;
   Drawing drawing_;
   nlohmann::ordered_json learned_ = nullptr;  // the drawing that the run was made of

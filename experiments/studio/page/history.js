@@ -11,7 +11,7 @@ function svgElement(name, attributes) {
 
 export function showHistory(svg, run) {
   const { history } = run;
-  svg.toggleAttribute('hidden', (history.round ?? []).length < 3);
+  svg.toggleAttribute('hidden', (history.round ?? []).length < 4);
   const rounds = history.round ?? [];
   const found = rounds.map((_, i) => Object.entries(history)
     .reduce((sum, [name, column]) => sum + (name.startsWith('count_') ? (column[i] ?? 0) : 0), 0));

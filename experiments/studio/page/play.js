@@ -12,6 +12,7 @@ export class Player {
     this.state = 'idle'; // running, pushed, arrived, left, stopped
     portrait.overlay = (context, time) => this.draw(context, time);
     this.onChange = () => {};
+    this.certified = () => false; // whether the statement shown is `invariant`, and of this scene
   }
 
   start(x) {
@@ -102,10 +103,13 @@ export class Player {
   }
 
   words() {
-    const where = this.leftSafe ? ' It was outside of the safe set, where nothing is guaranteed.' : '';
+    const certified = this.certified();
+    const where = this.leftSafe && certified ? ' It was outside of the safe set, where nothing is guaranteed.' : '';
+    const inside = certified ? 'Inside the safe set: under x\u2032 = f(x) it arrives and misses the obstacles.'
+      : 'Without a certificate nothing is guaranteed of this motion.';
     return {
       idle: 'Choose a start in the picture; drag the moving point to push it.',
-      running: this.leftSafe ? 'Outside of the safe set: nothing is guaranteed here.' : 'In the safe set: it will arrive, and miss the obstacles.',
+      running: this.leftSafe && certified ? 'Outside of the safe set, now or before: nothing is guaranteed of this motion.' : inside,
       pushed: 'Pushed. Let go, and the motion goes on from there.',
       arrived: `Arrived at the goal.${where}`,
       left: `Left the workspace, or did not arrive in two minutes.${where}`,

@@ -44,7 +44,11 @@ export function showStatement(into, run, isVoid = '') {
   if (isVoid) into.append(element('p', isVoid, { class: 'void' }));
   const body = element('div', '', isVoid ? { class: 'struck' } : {});
   body.append(element('p', certificate.sentence, { class: 'sentence' }));
-  for (const remark of run.remarks) body.append(element('p', remark, { class: 'remark' }));
+  if (isVoid) {
+    into.append(body);
+    return;
+  }
+  for (const remark of run.remarks) body.append(element('p', remark, { class: run.follows ? 'remark' : 'remark warn' }));
   if (certificate.guarantee === 'invariant' && certificate.disturbance_margin > 0)
     body.append(element('p', `It also holds under any disturbance of the velocity up to ${shortNumber(certificate.disturbance_margin)} ${unit}/s.`));
   const proofs = certificate.conditions.filter(({ method }) => method === 'proof');

@@ -76,7 +76,7 @@ function voidness() {
   const learned = state?.learned;
   if (!run || !learned || run.dimension !== 2 || running()) return '';
   if (!same(learned.strokes, sketch.drawing.strokes)) return 'Void: this speaks of other demonstrations than those drawn now. Learn again.';
-  if (!same(learned.obstacles, sketch.drawing.obstacles)) return 'Void: the obstacles are not where they were. Adapt, or learn again.';
+  if (!same(run.obstacles ?? learned.obstacles, sketch.drawing.obstacles)) return 'Void: the obstacles are not where they were. Adapt, or learn again.';
   if (!same(learned.initial, sketch.drawing.initial)) return 'Void: the start region is another. Learn again.';
   return '';
 }
@@ -93,10 +93,10 @@ function show() {
   const drawn = sketch.drawing.strokes.length > 0;
   const isVoid = voidness();
   const obstaclesMoved = isVoid.includes('obstacles');
-  $('learn').disabled = works || !drawn || preview.refusals.length > 0;
-  $('learn').textContent = run && !isVoid ? 'Learn again' : 'Learn';
+  $('learn').disabled = works || state?.look_only || !drawn || preview.refusals.length > 0;
+  $('learn').textContent = run && !isVoid && !works ? 'Learn again' : 'Learn';
   $('cancel').hidden = !works;
-  $('adapt').hidden = works || !obstaclesMoved;
+  $('adapt').hidden = works || state?.look_only || !obstaclesMoved;
   $('adapt').className = obstaclesMoved ? 'main' : '';
   $('learn').className = obstaclesMoved ? '' : 'main';
   $('resume').hidden = works || !run || run.finished || isVoid !== '' || state?.job?.state === 'cancelled';
@@ -132,7 +132,8 @@ function showProgress() {
   }
   const seconds = (job.state === 'running' ? (performance.now() - clockBase) / 1000 : job.seconds).toFixed(1);
   const rounds = run ? `round ${run.rounds}` : 'fitting the demonstrations';
-  const left = run ? `, ${portrait.counterexamples.length} counterexamples left` : '';
+  const loss = run?.history.loss?.at(-1);
+  const left = run ? `, ${portrait.counterexamples.length} counterexamples left${loss ? `, loss ${Number(loss.toPrecision(3))}` : ''}` : '';
   $('progress').textContent = {
     running: isProved() ? `Proof over after ${job.certified.toFixed(1)} s; measuring the motion` : `${WORKS[job.kind]}: ${seconds} s, ${rounds}${left}`,
     done: `${job.kind === 'adapt' ? 'Adapted' : 'Learned'} in ${(job.certified || job.seconds).toFixed(1)} s.`,
@@ -214,6 +215,7 @@ sketch.onChange = () => {
   show();
 };
 player.onChange = showPlay;
+player.certified = () => run?.certificate.guarantee === 'invariant' && !portrait.void;
 document.addEventListener('keydown', (event) => {
   if (event.target.matches('input, select')) return;
   if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'z') {
@@ -235,13 +237,22 @@ for (const [id, unit] of [['period', 's'], ['delay', 's'], ['noise', '']]) {
 }
 $('flow').addEventListener('change', () => (portrait.showFlow = $('flow').checked));
 
-async function take(file) {
-  const answer = await attempt(() => send(file));
-  if (answer?.opened === 'demonstrations') sketch.change(answer.drawing);
+// Recordings in several files become one drawing.
+async function take(files) {
+  let drawing = null;
+  for (const file of files) {
+    const answer = await attempt(() => send(file));
+    if (answer?.opened !== 'demonstrations') return;
+    const [a, b] = [drawing?.field ?? answer.drawing.field, answer.drawing.field];
+    const field = [Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.max(a[2], b[2]), Math.max(a[3], b[3])];
+    drawing = { ...answer.drawing, field, strokes: [...(drawing?.strokes ?? []), ...answer.drawing.strokes] };
+  }
+  sketch.change(drawing);
 }
 $('file').addEventListener('change', () => {
-  if ($('file').files[0]) take($('file').files[0]);
+  const files = [...$('file').files];
   $('file').value = '';
+  if (files.length) take(files);
 });
 for (const name of ['dragenter', 'dragover']) {
   document.addEventListener(name, (event) => {
@@ -252,7 +263,8 @@ for (const name of ['dragenter', 'dragover']) {
 for (const name of ['dragleave', 'drop']) document.addEventListener(name, () => $('portrait').classList.remove('dropping'));
 document.addEventListener('drop', (event) => {
   event.preventDefault();
-  if (event.dataTransfer.files[0]) take(event.dataTransfer.files[0]);
+  const files = [...event.dataTransfer.files];
+  if (files.length) take(files);
 });
 
 setInterval(() => running() && showProgress(), 100);
