@@ -118,7 +118,11 @@ function show() {
     $('history').toggleAttribute('hidden', true);
   }
   $('folder').textContent = state ? `Everything lies in ${state.folder}` : '';
-  $('hint').textContent = sketch.hint();
+  const flat = !run || run.dimension === 2;
+  $('hint').textContent = flat ? sketch.hint() : 'Drag the picture, or use the arrow keys, to turn it.';
+  $('learn').hidden = !flat;
+  document.querySelector('[href$="demonstrations"]').parentElement.hidden = !flat;
+  $('look-only').hidden = !(state?.look_only && flat);
   portrait.refresh();
   showProgress();
   showPlay();
