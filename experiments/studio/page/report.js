@@ -13,6 +13,7 @@ function showReport() {
   document.getElementById('guarantee').dataset.guarantee = run.certificate.guarantee;
   showStatement(document.getElementById('statement'), run);
   showHistory(document.getElementById('history'), run);
+  document.getElementById('history').closest('section').hidden = document.getElementById('history').hasAttribute('hidden');
   document.getElementById('about').textContent =
     `Seed ${run.seed}; trained ${run.created} by s2nnds ${run.version}. Obstacle: ${run.unsafe_in_words}. Start region: ${run.initial_in_words}.`;
   const box = document.getElementById('portrait');

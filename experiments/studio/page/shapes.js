@@ -62,6 +62,13 @@ export function scaledShape(shape, factor) {
   return { ...shape, vertices: shape.vertices.map(grow) };
 }
 
+// With no more digits than a drawing has: multiples of `grain`, a power of ten.
+export function roundedShape(shape, grain) {
+  const round = (value) => Number((Math.round(value / grain) * grain).toPrecision(12));
+  return Object.fromEntries(Object.entries(shape).map(([key, value]) => [key,
+    typeof value === 'number' ? round(value) : Array.isArray(value) ? value.map((v) => (Array.isArray(v) ? v.map(round) : round(v))) : value]));
+}
+
 export function shapeIsTiny(shape, least) {
   if (shape.type === 'ball') return shape.radius < least;
   const corners = cornersOf(shape);

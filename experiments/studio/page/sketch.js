@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The drawing and what pointers and keys do to it. Coordinates are the drawing's; y points up.
-import { boxBetween, handlesOf, movedShape, resizedShape, scaledShape, shapeContains, shapeIsTiny } from './shapes.js';
+import { boxBetween, handlesOf, movedShape, resizedShape, roundedShape, scaledShape, shapeContains, shapeIsTiny } from './shapes.js';
 
 const MOST_UNDO = 100;
 const EDGE = 0.05; // share of the field at each side where no demonstration is drawn: the safe set stays off its edge
@@ -104,6 +104,10 @@ export class Sketch {
 
   size() {
     return this.drawing.field[2] - this.drawing.field[0];
+  }
+
+  grain() {
+    return 10 ** Math.floor(Math.log10(this.size() / 2000));
   }
 
   middle() {
@@ -217,7 +221,7 @@ export class Sketch {
 
   addObstacle(shape) {
     if (shapeIsTiny(shape, 0.01 * this.size())) return;
-    this.change({ ...this.drawing, obstacles: [...this.drawing.obstacles, shape] });
+    this.change({ ...this.drawing, obstacles: [...this.drawing.obstacles, roundedShape(shape, this.grain())] });
   }
 
   dragged(kind, from, to) {
@@ -257,7 +261,7 @@ export class Sketch {
   }
 
   replaceSelected(shape) {
-    this.drawing = { ...this.drawing, obstacles: this.drawing.obstacles.map((one, i) => (i === this.selected ? shape : one)) };
+    this.drawing = { ...this.drawing, obstacles: this.drawing.obstacles.map((one, i) => (i === this.selected ? roundedShape(shape, this.grain()) : one)) };
     this.show();
   }
 
