@@ -23,6 +23,7 @@
 #include "s2nnds/runs/evaluation_run.h"
 #include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/scene.h"
+#include "s2nnds/runs/statement.h"
 #include "s2nnds/runs/summary.h"
 #include "s2nnds/runs/threads.h"
 #include "s2nnds/runs/training_run.h"
@@ -208,10 +209,24 @@ int adapt(const AdaptArguments& arguments, const CommonArguments& common) {
   return found.outcome == Adaptation::failed ? kNotVerified : kVerified;
 }
 
+// The execution model is no part of what was trained: another one asks for another proof alone.
+void set_execution(const std::vector<std::string>& assignments, RunRecord& record) {
+  for (const std::string& assignment : assignments) {
+    check(assignment.rfind("execution.", 0) == 0,
+          "verify --set: found \"{}\", expected execution.key=value; other keys need a new training",
+          assignment);
+  }
+  const std::string text = with_settings(record.config.text, "the run's configuration", assignments);
+  Config config = parse_config(record.config.resolved, "the run's configuration");
+  config.execution = parse_config(text, "the run's configuration").execution;
+  record.config = {text, to_toml(config), flatten(config)};
+}
+
 int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   set_threads(common.threads);
   RunRecord record = load_run(arguments.run);
   check_writable(arguments.run);
+  if (!arguments.assignments.empty()) set_execution(arguments.assignments, record);
   const PreparedRun setup = prepare_stored(record, data_directory(common.data));
   VerificationOptions options = setup.config.verification;
   if (arguments.samples) options.sampled.samples = options.conformal.samples = *arguments.samples;
@@ -227,9 +242,17 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
     spdlog::warn("{}: its certificate spoke of other weights or another problem; a new one begins",
                  arguments.run);
   }
+  check(arguments.speed.empty() || (method == Method::proof && !setup.config.execution.is_ideal()),
+        "verify --speed: expected --method proof and an execution model in the configuration or by --set "
+        "execution.key=value");
   ProofCovers covers;
   s2nnds::verify(setup, record, method, options, proof_printer(),
                  arguments.artifact.empty() ? nullptr : &covers);
+  if (!arguments.speed.empty()) {
+    if (record.certificate.guarantee == Guarantee::invariant) find_certified_speeds(setup, record);
+    const std::string speeds = certified_speeds_in_words(record);
+    fmt::print("{}\n", speeds.empty() ? "no speed is certified" : speeds);
+  }
   save_run(arguments.run, record);
   if (!covers.empty()) save_proof(arguments.artifact, record, covers);
   fmt::print("{}", condition_tables(record));

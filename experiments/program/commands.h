@@ -45,6 +45,8 @@ struct VerifyArguments {
   std::string artifact;  // proof: where the boxes that prove it go; "": nowhere
   std::optional<std::int64_t> samples;
   std::optional<double> epsilon, beta;
+  std::string speed;                     // --speed auto: look for the certified range; "": do not
+  std::vector<std::string> assignments;  // --set execution.key=value
 };
 int verify(const VerifyArguments& arguments, const CommonArguments& common);
 

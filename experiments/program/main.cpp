@@ -111,6 +111,11 @@ int run(int argc, char** argv) {
   sub->add_option("--samples", verification.samples, "samples a region");
   sub->add_option("--epsilon", verification.epsilon, "conformal: share of a region that may be violated");
   sub->add_option("--beta", verification.beta, "conformal: one minus the confidence");
+  sub->add_option("--speed", verification.speed,
+                  "auto: with --method proof, also find the speed factors that are certified")
+      ->check(CLI::IsMember({"auto"}));
+  sub->add_option("--set", verification.assignments,
+                  "execution.key=value: how the robot executes the motion, instead of what the run says");
   sub->callback([&] { code = verify(verification, common); });
 
   EvaluateArguments evaluation;

@@ -80,6 +80,31 @@ class NetworkSource {
     write_head();
   }
 
+  // NAME_gradient(x, gradient) of a scalar network whose head has the layers' slope.
+  void write_gradient() {
+    const auto last = stack_.layers.size() - 1;
+    put(text_, "inline void {}_gradient(const double* x, double* gradient) noexcept {{\n", name_);
+    for (std::size_t k = 0; k <= last; ++k) {
+      const Eigen::Index out = padded(stack_.layers[k].weight.rows());
+      put(text_, "  alignas(64) double z{0}[{1}], a{0}[{1}], slope{0}[{1}], adjoint{0}[{1}] = {{}};\n", k,
+          out);
+      write_layer(k, k == 0 ? "x" : fmt::format("a{}", k - 1), fmt::format("z{}", k), false);
+      put(text_, "  activate_with_slopes<{0}, {1}>(z{2}, a{2}, slope{2});\n",
+          functor(stack_.layers[k].activation), out, k);
+    }
+    put(text_, "  adjoint{}[0] = 1.0;\n", last);
+    for (std::size_t k = last + 1; k-- > 0;) {
+      const Points& weight = stack_.layers[k].weight;
+      put(text_, "  for (int i = 0; i < {}; ++i) adjoint{}[i] *= slope{}[i];\n", weight.rows(), k, k);
+      const std::string to = k == 0 ? "gradient" : fmt::format("adjoint{}", k - 1);
+      const Eigen::Index in = weight.cols(), out = weight.rows();
+      put(text_, "  {}<{}, {}>({}_weight_{}, adjoint{}, {});\n",
+          is_narrow(k) ? "pull_back_narrow" : "pull_back", is_narrow(k) ? padded(in) : in,
+          is_narrow(k) ? out : padded(out), name_, k, k, to);
+    }
+    put(text_, "}}\n\n");
+  }
+
  private:
   // The last layer's output padded, which is what layers() fills.
   Eigen::Index outputs() const { return padded(stack_.layers.back().weight.rows()); }
@@ -129,7 +154,7 @@ class NetworkSource {
     put(text_, "}}\n");
   }
 
-  void write_layer(std::size_t k, const std::string& from, const std::string& to) {
+  void write_layer(std::size_t k, const std::string& from, const std::string& to, bool activated = true) {
     const Layer& layer = stack_.layers[k];
     const Eigen::Index in = layer.weight.cols(), out = layer.weight.rows();
     const std::string arrays = fmt::format("{0}_weight_{1}, {0}_bias_{1}, {2}, {3}", name_, k, from, to);
@@ -139,7 +164,7 @@ class NetworkSource {
     } else {
       put(text_, "  dense<{}, {}, {}>({});\n", real_, in, padded(out), arrays);
     }
-    if (layer.activation == Activation::identity) return;
+    if (!activated || layer.activation == Activation::identity) return;
     put(text_, "  activate<{}, {}>({});\n", functor(layer.activation), padded(out), to);
   }
 
@@ -296,7 +321,89 @@ inline bool safe(const double* x) noexcept {{
   return barrier(x) <= -barrier_float64_error;
 }}
 
-}}  // namespace {1}
+)";
+
+constexpr const char* kShield =
+    R"(// v [dimension] = v_wanted [dimension], changed so that a robot that moves as `execution` says never leaves the safe
+// set: at the reading x, near its edge, to the nearest of the velocities that lead away from the edge at least as
+// certainly as the motion's own, execution_speed * velocity(x), does; and nowhere to one faster than most_command.
+// Where both limits are met, v is on the way from the nearest one to the motion's own. Returns |v - v_wanted|: 0 deep
+// inside the safe set for velocities within most_command, and wherever the motion's own is wanted. Where v_wanted is
+// not finite, v is the motion's own, and where x is not, v is 0; both return HUGE_VAL.
+inline double shield(const double* x, const double* v_wanted, double* v) noexcept {
+  constexpr int n = dimension;
+  const detail::Normalised<double> at(x);
+  double own[n], gradient[n], off[n];
+  velocity(x, own);
+  double wanted_square = 0, own_square = 0;
+  for (int i = 0; i < n; ++i) {
+    own[i] *= execution_speed;
+    own_square += own[i] * own[i];
+    wanted_square += v_wanted[i] * v_wanted[i];
+  }
+  if (!std::isfinite(own_square)) {
+    for (int i = 0; i < n; ++i) v[i] = 0;
+    return HUGE_VAL;
+  }
+  if (!std::isfinite(wanted_square)) {
+    for (int i = 0; i < n; ++i) v[i] = own[i];
+    return HUGE_VAL;
+  }
+  const double wanted = std::sqrt(wanted_square);
+  const double share = wanted > most_command ? most_command / wanted * (1 - 1e-15) : 1;
+  bool changed = share < 1;
+  for (int i = 0; i < n; ++i) v[i] = share * v_wanted[i];
+  if (!(barrier(x) < -(shield_band + barrier_float64_error))) {
+    detail::B_gradient(at.z, gradient);
+    double size = 0, distance = 0, along = 0;
+    for (int i = 0; i < n; ++i) {
+      off[i] = v[i] - own[i];
+      size += gradient[i] * gradient[i];
+      distance += off[i] * off[i];
+      along -= gradient[i] * off[i];
+    }
+    size = std::sqrt(size);
+    // The cone around the axis -gradient: along >= cosine * size * distance, with room for rounding.
+    const double cosine = (shield_cone * (1 + 1e-6)) / size + 1e-9;
+    if (!(along >= cosine * size * std::sqrt(distance))) {
+      changed = true;
+      along /= size;
+      const double across = std::sqrt(std::fmax(0.0, distance - along * along));
+      const double sine = std::sqrt(std::fmax(0.0, 1 - cosine * cosine));
+      const double length = cosine * along + sine * across;
+      const bool any = cosine < 1 && length > 0 && across > 0;
+      double square = 0, mixed = 0;
+      for (int i = 0; i < n; ++i) {
+        const double axis = -gradient[i] / size;
+        off[i] = any ? length * (cosine * axis + sine * ((off[i] - along * axis) / across)) : 0;
+        square += off[i] * off[i];
+        mixed += off[i] * own[i];
+      }
+      const double room = std::fmax(0.0, most_command * most_command - own_square);
+      double kept = 1;
+      if (square + 2 * mixed > room) {
+        kept = std::fmin(1.0, std::fmax(0.0, (std::sqrt(mixed * mixed + square * room) - mixed) / square)) * (1 - 1e-12);
+      }
+      for (int i = 0; i < n; ++i) v[i] = own[i] + kept * off[i];
+    }
+  }
+  if (!changed) return 0;
+  double change = 0;
+  for (int i = 0; i < n; ++i) change += (v[i] - v_wanted[i]) * (v[i] - v_wanted[i]);
+  return std::sqrt(change);
+}
+
+)";
+
+constexpr const char* kMotion = R"(// The motion as a type, for templates (passive_controller.h).
+struct Motion {{
+  static constexpr int dimension = {0}::dimension;
+  static constexpr double execution_speed = {0}::execution_speed, disturbance_margin = {0}::disturbance_margin;
+  static void velocity(const double* x, double* v) noexcept {{ {0}::velocity(x, v); }}
+  static bool safe(const double* x) noexcept {{ return {0}::safe(x); }}
+}};
+
+}}  // namespace {0}
 )";
 
 }  // namespace
@@ -327,7 +434,11 @@ std::string cpp_header(const Policy& policy, HeaderPrecision precision, const st
   NetworkSource(text, "f", policy.networks.f, single).write_all();
   NetworkSource(text, "V", policy.networks.V, false).write_all();
   NetworkSource(text, "B", policy.networks.B, false).write_all();
-  put(text, kInterface, single ? "float" : "double", space);
+  const bool shielded = policy.info.shielded == 1;
+  if (shielded) NetworkSource(text, "B", policy.networks.B, false).write_gradient();
+  put(text, kInterface, single ? "float" : "double");
+  if (shielded) put(text, "{}", kShield);
+  put(text, kMotion, space);
   return fmt::to_string(text);
 }
 

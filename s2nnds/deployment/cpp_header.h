@@ -26,6 +26,8 @@ std::string policy_namespace(const std::string& path);
 //   and frame, and v [n] in that unit per second: f, V, B and {B <= 0} within the workspace. NaN
 //   in gives NaN (and not safe) out. V and B are computed in double whatever the precision, so that `safe`
 //   decides as the certified barrier does but for rounding in double (some 1e-14 of B);
+// - `shield(x, v_wanted, v)`, if PolicyInfo::shielded: any other velocity made safe, by verification/executed_motion.h;
+// - `Motion`, the type that PassiveController (passive_controller.h) takes;
 // - constants: `precision` and every field of PolicyInfo.
 //
 // Loops are written for the vector registers of GCC and Clang (SSE2 to AVX-512, NEON) as the flags allow, and

@@ -43,6 +43,20 @@ Policy policy_of(const RunRecord& record) {
   info.float32_error = frame.velocity_scale * float32_error(record.networks.f, workspace);
   info.barrier_float32_error = float32_error(record.networks.B, workspace);
   info.barrier_float64_error = float64_error(record.networks.B, workspace);
+  const ExecutionCertificate& executed = certificate.execution;
+  info.execution = executed.model;
+  if (certificate.guarantee != Guarantee::invariant || !executed.invariant) return policy;
+  info.executed = 1;
+  info.execution_speed = executed.speed;
+  info.execution_radius = frame.position_scale * executed.convergence_radius;
+  info.most_command = frame.velocity_scale * executed.most_command;
+  info.least_speed = executed.least_speed;
+  info.most_speed = executed.most_speed;
+  // Its gradient is that of the layers.
+  if (!executed.shielded || policy.networks.B.head == Head::squared_norm) return policy;
+  info.shielded = 1;
+  info.shield_band = executed.shield_band;
+  info.shield_cone = executed.shield_cone;
   return policy;
 }
 

@@ -35,6 +35,15 @@ struct PolicyInfo {
   // The same of the barrier, in float and in double: `safe` compares the barrier with minus the one that applies, so
   // that it is never true where the exact barrier is positive.
   double barrier_float32_error = 0.0, barrier_float64_error = 0.0;
+  // The motion as a robot executes it (ExecutionCertificate); nothing of it is certified unless `executed` is 1.
+  std::string execution;          // how, in words
+  std::int64_t executed = 0;      // 1: motions executed so that start in the safe set stay in it
+  double execution_speed = 1.0;   // factor on the velocity with which it is executed
+  double execution_radius = 0.0;  // such motions reach this distance from the goal; infinite: not shown
+  double most_command = 0.0;      // above the speed of every command
+  double least_speed = 0.0, most_speed = 0.0;   // certified factors; both 0: not looked for
+  std::int64_t shielded = 0;                    // 1: a shield keeps any velocity safe
+  double shield_band = 0.0, shield_cone = 0.0;  // of the barrier, and per normalised length
 
   // Calls visit(name, value, meaning) for every field, so that no exporter lists them again; a value is a
   // std::string, std::int64_t, double or std::vector<double>.
@@ -59,6 +68,16 @@ struct PolicyInfo {
     visit("float32_error", float32_error, "bound on |error| of the velocity in float, in the workspace");
     visit("barrier_float32_error", barrier_float32_error, "the same of the barrier in float");
     visit("barrier_float64_error", barrier_float64_error, "the same of the barrier in double");
+    visit("execution", execution, "how the robot executes the motion");
+    visit("executed", executed, "1: certified for that: motions that start in the safe set stay in it");
+    visit("execution_speed", execution_speed, "factor on the velocity in it");
+    visit("execution_radius", execution_radius, "such motions reach this distance from the goal");
+    visit("most_command", most_command, "no command is faster");
+    visit("least_speed", least_speed, "certified factors on the velocity");
+    visit("most_speed", most_speed, "both 0: not looked for");
+    visit("shielded", shielded, "1: a shield is certified");
+    visit("shield_band", shield_band, "it acts where the barrier is above minus this");
+    visit("shield_cone", shield_cone, "bound on the change of the barrier's gradient, normalised");
   }
 };
 

@@ -139,3 +139,40 @@ inline void activate(Real* z) noexcept {
     store(z + i, pack);
   }
 }
+
+// d sigma / dz of the activations, from z and sigma(z).
+inline double slope(Identity, double, double) noexcept { return 1.0; }
+inline double slope(Tanh, double, double a) noexcept { return 1.0 - a * a; }
+inline double slope(Elu, double z, double a) noexcept { return z > 0.0 ? 1.0 : a + 1.0; }
+inline double slope(Softplus, double, double a) noexcept { return -std::expm1(-a); }
+inline double slope(Silu, double z, double a) noexcept {
+  const double s = 1.0 / (1.0 + std::exp(-z));
+  return s + a * (1.0 - s);
+}
+inline double slope(Sine, double z, double) noexcept { return std::cos(z); }
+
+// a = sigma(z) and slopes = d sigma / dz, each [Count].
+template <typename Activation, int Count>
+inline void activate_with_slopes(const double* z, double* a, double* slopes) noexcept {
+  std::memcpy(a, z, Count * sizeof(double));
+  activate<Activation, Count>(a);
+  for (int i = 0; i < Count; ++i) slopes[i] = slope(Activation{}, z[i], a[i]);
+}
+
+// a [In] = w' z for w as dense() takes it.
+template <int In, int Out>
+inline void pull_back(const double* w, const double* z, double* a) noexcept {
+  for (int k = 0; k < In; ++k) {
+    PackOf<double> sum{};
+    for (int i = 0; i < Out; i += lanes<double>) sum += load(w + k * Out + i) * load(z + i);
+    a[k] = sum_of<double>(sum);
+  }
+}
+// The same for w as dense_narrow() takes it.
+template <int In, int Outputs>
+inline void pull_back_narrow(const double* w, const double* z, double* a) noexcept {
+  for (int k = 0; k < In; ++k) {
+    a[k] = 0.0;
+    for (int i = 0; i < Outputs; ++i) a[k] += w[i * In + k] * z[i];
+  }
+}

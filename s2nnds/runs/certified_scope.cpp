@@ -56,11 +56,13 @@ struct Scope {
   std::string weights;
   ScopeFrame frame;
   ScopeProblem problem;
+  ExecutionOptions execution;
 
   void visit(FieldVisitor& v) {
     v.field("weights", weights);
     v.group("frame", frame);
     v.group("problem", problem);
+    if (!execution.is_ideal()) v.group("execution", execution);
   }
 };
 
@@ -100,6 +102,7 @@ std::string certified_scope(const PreparedRun& setup, const Networks& networks) 
                    .unsafe = problem.written_unsafe,
                    .files = {}};
   for (const auto& [name, bytes] : setup.files.all()) scope.problem.files.push_back({name, sha256(bytes)});
+  scope.execution = setup.config.execution;
   return to_toml(scope);
 }
 

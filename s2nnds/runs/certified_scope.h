@@ -8,8 +8,8 @@
 namespace s2nnds {
 
 // All that a certificate depends on, as TOML: the weights' hash, the frame, the workspace and the part of it that holds
-// the safe set (normalised), the band, both sets with nothing left to find out, and the hashes of the files that they
-// name. Two runs with the same text have the same conditions.
+// the safe set (normalised), the band, both sets with nothing left to find out, the hashes of the files that they
+// name, and the execution model, if there is one. Two runs with the same text have the same conditions.
 std::string certified_scope(const PreparedRun& setup, const Networks& networks);
 
 // Binds the certificate to the run: its scope, and a seal over both and all its figures.

@@ -37,6 +37,7 @@ void Config::visit(FieldVisitor& v) {
   v.group("networks", networks);
   v.group("training", training);
   v.group("verification", verification);
+  v.group("execution", execution);
   v.group("evaluation", evaluation);
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "s2nnds/runs/user_units.h"
@@ -76,6 +77,31 @@ std::string disturbance_in_words(const RunRecord& record) {
                             c.float32_error < c.disturbance_margin ? "covers" : "does NOT cover");
 }
 
+std::string executed_in_words(const RunRecord& record) {
+  const ExecutionCertificate& executed = record.certificate.execution;
+  if (executed.model.empty()) return "";
+  std::string text = fmt::format(" As a robot executes it ({}), ", executed.model);
+  if (!executed.invariant) {
+    return text + fmt::format("the motion is NOT certified: that it stays in the safe set was not shown{}.",
+                              executed.reason.empty() ? "" : fmt::format(" ({})", executed.reason));
+  }
+  const UserUnits units(record);
+  text += fmt::format(
+      "every motion that starts in the safe set, at rest until then or under way in it, stays in it, with f "
+      "evaluated "
+      "in double or float32; no command is faster than {}",
+      units.speed(executed.most_command));
+  if (executed.convergence_radius < record.problem.workspace.half_widths().minCoeff())
+    text += fmt::format("; it converges to a ball of radius {} around the goal",
+                        units.length(executed.convergence_radius));
+  else
+    text += "; that it comes near the goal was not shown";
+  text += ".";
+  if (const std::string speeds = certified_speeds_in_words(record); !speeds.empty())
+    text += fmt::format(" Staying in the safe set is {}.", speeds);
+  return text;
+}
+
 std::string details(const RunRecord& record) {
   const Certificate& certificate = record.certificate;
   switch (certificate.guarantee) {
@@ -100,7 +126,9 @@ std::string details(const RunRecord& record) {
           "these double-precision "
           "weights; its own rounding is covered.{}",
           all_conditions_in_words(record),
-          certificate.guarantee == Guarantee::invariant ? disturbance_in_words(record) : "");
+          certificate.guarantee == Guarantee::invariant
+              ? disturbance_in_words(record) + executed_in_words(record)
+              : "");
   }
   return "";
 }
@@ -130,6 +158,16 @@ std::string coordinates(const RunRecord& record) {
 }
 
 }  // namespace
+
+std::string certified_speeds_in_words(const RunRecord& record) {
+  const ExecutionCertificate& executed = record.certificate.execution;
+  if (!(executed.most_speed > 0.0)) return "";
+  const std::string from = executed.least_speed > 0.0 ? number(executed.least_speed) : "0 (excluded)";
+  if (std::isinf(executed.most_speed))
+    return fmt::format("certified from {} times the demonstrated speed on", from);
+  return fmt::format("certified from {} to {} times the demonstrated speed (up to {})", from,
+                     number(executed.most_speed), UserUnits(record).speed(executed.most_speed_command));
+}
 
 std::string guarantee_sentence(const RunRecord& record) {
   const Certificate& certificate = record.certificate;
@@ -176,7 +214,9 @@ std::string guarantee_statement(const RunRecord& record) {
   if (record.certificate.guarantee == Guarantee::none)
     return guarantee_sentence(record) + refutations(record);
   return guarantee_sentence(record) + details(record) + refutations(record) + coordinates(record) +
-         " This is about the kinematic motion of a point, not about a robot's tracking error.";
+         (record.certificate.execution.invariant
+              ? " This is about a point of the robot that moves as told above, not about its other parts."
+              : " This is about the kinematic motion of a point, not about a robot's tracking error.");
 }
 
 }  // namespace s2nnds

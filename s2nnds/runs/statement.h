@@ -14,4 +14,7 @@ std::string guarantee_sentence(const RunRecord& record);
 // and velocities are in the unit of the data too.
 std::string guarantee_statement(const RunRecord& record);
 
+// "certified from 0.3 to 1.8 times the demonstrated speed (up to 210 mm/s)"; "" where no range was looked for.
+std::string certified_speeds_in_words(const RunRecord& record);
+
 }  // namespace s2nnds

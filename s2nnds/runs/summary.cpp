@@ -100,6 +100,14 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   json.update(json_of_figures(record.evaluation));
   json["disturbance_margin"] = real(certificate.disturbance_margin);
   json["convergence_radius"] = real(certificate.convergence_radius);
+  if (const ExecutionCertificate& executed = certificate.execution; !executed.model.empty()) {
+    json["execution"] = {{"model", executed.model},
+                         {"invariant", executed.invariant},
+                         {"convergence_radius", real(executed.convergence_radius)},
+                         {"least_speed", real(executed.least_speed)},
+                         {"most_speed", real(executed.most_speed)},
+                         {"shielded", executed.shielded}};
+  }
   json["float32_error"] = real(certificate.float32_error);
   json["follows"] = follows_demonstrations(record);
   json["remarks"] = record.remarks;

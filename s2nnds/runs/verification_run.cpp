@@ -6,11 +6,34 @@
 #include "s2nnds/runs/certified_scope.h"
 #include "s2nnds/runs/statement.h"
 #include "s2nnds/verification/disturbance_margin.h"
+#include "s2nnds/verification/executed_motion.h"
 #include "s2nnds/verification/guarantee.h"
 #include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
 namespace {
+
+// With f in either precision of an exported header.
+ExecutionModel model_of(const PreparedRun& setup, const Certificate& certificate) {
+  return execution_model(setup.config.execution, setup.data.frame, certificate.float32_error);
+}
+
+void verify_executed(const PreparedRun& setup, const ProofFunctions& functions, Certificate& certificate) {
+  const ExecutionModel model = model_of(setup, certificate);
+  ExecutionCertificate& found = certificate.execution;
+  const ExecutedMotion executed = prove_executed(functions, setup.problem, model);
+  found.model = execution_in_words(setup.config.execution, setup.data.frame);
+  found.reason = executed.reason;
+  found.speed = setup.config.execution.speed;
+  found.invariant = executed.invariant;
+  found.convergence_radius = executed.convergence_radius;
+  found.most_command = executed.most_command;
+  if (!executed.invariant) return;
+  const Shield shield = prove_shield(functions, setup.problem, model);
+  found.shielded = shield.certified;
+  found.shield_band = shield.band;
+  found.shield_cone = shield.cone;
+}
 
 // The proof's verdicts; side conditions, margins and open boxes go into the record.
 std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecord& record,
@@ -36,12 +59,14 @@ std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecor
   }
   certificate.side = result.side;
   certificate.disturbance_margin = certificate.convergence_radius = 0.0;
+  certificate.execution = {};
   if (result.guarantee == Guarantee::invariant) {
     const DisturbanceMargin margin = disturbance_margin(functions, setup.problem);
     certificate.disturbance_margin = margin.margin;
     certificate.convergence_radius = margin.convergence_radius;
     certificate.float32_error = float32_error(record.networks.f, setup.problem.workspace);
     record.timing.disturbance_margin = margin.seconds;
+    if (!setup.config.execution.is_ideal()) verify_executed(setup, functions, certificate);
   }
   record.timing.proof = result.seconds;
   return result.verdicts();
@@ -97,6 +122,23 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
   certificate.statement = guarantee_statement(record);
   seal_certificate(setup, record);
   seconds_of(method, record.timing) = watch.seconds();
+}
+
+void find_certified_speeds(const PreparedRun& setup, RunRecord& record) {
+  Certificate& certificate = record.certificate;
+  check(!setup.config.execution.is_ideal(),
+        "speed: the run's configuration has no [execution], expected the delays and errors that speeds are "
+        "limited by");
+  check(certificate.guarantee == Guarantee::invariant,
+        "speed: found the guarantee {}, expected invariant: speeds are certified for a safe set that is",
+        to_string(certificate.guarantee));
+  const SpeedRange range =
+      certified_speeds(ProofFunctions::of(record.networks), setup.problem, model_of(setup, certificate));
+  certificate.execution.least_speed = range.least;
+  certificate.execution.most_speed = range.most;
+  certificate.execution.most_speed_command = range.most_command;
+  certificate.statement = guarantee_statement(record);
+  seal_certificate(setup, record);
 }
 
 void verify_as_configured(const PreparedRun& setup, RunRecord& record, const ProofProgress& progress) {

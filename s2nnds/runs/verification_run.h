@@ -12,6 +12,10 @@ namespace s2nnds {
 void verify(const PreparedRun& setup, RunRecord& record, Method method, const VerificationOptions& options,
             const ProofProgress& progress = nullptr, ProofCovers* covers = nullptr);
 
+// After a proof that reached `invariant`: finds the range of speed factors that is certified under the run's execution
+// model, and updates the certificate. Throws Error without an execution model or that guarantee.
+void find_certified_speeds(const PreparedRun& setup, RunRecord& record);
+
 // verify() by the methods up to the configured one, from the weakest on: what ends a training.
 void verify_as_configured(const PreparedRun& setup, RunRecord& record,
                           const ProofProgress& progress = nullptr);

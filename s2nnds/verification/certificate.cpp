@@ -37,6 +37,21 @@ void SideConditions::visit(FieldVisitor& v) {
   v.field("initial_in_workspace", initial_in_workspace);
 }
 
+void ExecutionCertificate::visit(FieldVisitor& v) {
+  v.field("model", model);
+  v.field("reason", reason);
+  v.field("invariant", invariant);
+  v.field("speed", speed, above(0));
+  v.field("convergence_radius", convergence_radius, at_least(0));
+  v.field("most_command", most_command, at_least(0));
+  v.field("least_speed", least_speed, at_least(0));
+  v.field("most_speed", most_speed, at_least(0));
+  v.field("most_speed_command", most_speed_command, at_least(0));
+  v.field("shielded", shielded);
+  v.field("shield_band", shield_band, at_least(0));
+  v.field("shield_cone", shield_cone, at_least(0));
+}
+
 void Certificate::visit(FieldVisitor& v) {
   visit_enum(v, "guarantee", guarantee);
   v.field("weight_hash", weight_hash);
@@ -50,6 +65,7 @@ void Certificate::visit(FieldVisitor& v) {
   v.field("barrier_float32_error", barrier_float32_error, any_number());
   v.field("barrier_float64_error", barrier_float64_error, any_number());
   v.field("statement", statement);
+  v.group("execution", execution);
   side.visit(v);
   v.list("conditions", conditions);
 }

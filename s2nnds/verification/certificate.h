@@ -95,6 +95,23 @@ struct SideConditions {
   void visit(FieldVisitor& v);  // names each field once
 };
 
+// What is known of the motion as a robot executes it (executed_motion.h), in normalised units. Besides the guarantee,
+// which speaks of x' = f(x).
+struct ExecutionCertificate {
+  std::string model;       // how it is executed, in words; "" where only the ideal motion was looked at
+  std::string reason;      // why nothing was examined, where that is so
+  bool invariant = false;  // the executed motion keeps {B <= 0} invariant
+  double speed = 1.0;      // factor on f in the model
+  double convergence_radius = 0.0;  // of the ball that it then converges to; infinite: not shown
+  double most_command = 0.0;        // above every command
+  // Certified factors on f, where they were looked for (most_speed > 0), and above every command at the largest.
+  double least_speed = 0.0, most_speed = 0.0, most_speed_command = 0.0;
+  bool shielded = false;                        // any velocities are safe behind the Shield with
+  double shield_band = 0.0, shield_cone = 0.0;  // these figures and most_command
+
+  void visit(FieldVisitor& v);  // names each field once
+};
+
 // What is known of a run's networks, and how it was found out.
 struct Certificate {
   Guarantee guarantee = Guarantee::none;  // the strongest that the verdicts support (guarantee_of)
@@ -110,6 +127,7 @@ struct Certificate {
   double barrier_float64_error = 0.0;  // and in double
   std::string statement;               // what holds, in a paragraph a roboticist can read
   std::vector<ConditionVerdict> conditions;  // of every method used, at most one a method and condition
+  ExecutionCertificate execution;            // of the motion as executed, found by the last proof
   SideConditions side;                       // found by the last proof
 
   void visit(FieldVisitor& v);  // names each field once

@@ -2,7 +2,6 @@
 #include "s2nnds/verification/disturbance_margin.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -10,8 +9,10 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
+#include "s2nnds/verification/convergence_ball.h"
 #include "s2nnds/verification/rounding.h"
 #include "s2nnds/verification/standard_floating_point.h"
+#include "s2nnds/verification/tile_examiner.h"
 
 namespace s2nnds {
 namespace {
@@ -24,62 +25,10 @@ constexpr double tolerance = 0.03;
 constexpr std::int64_t most_boxes = 500000;
 // What a step may take beyond twice the boxes of the first cover.
 constexpr std::int64_t spare_boxes = 20000;
-// Boxes this small, relative to the workspace, are given up: too early only costs margin. The ball around the
-// goal is told to the size of a box, so coarser ones do there.
-constexpr double level_resolution = 1e-4, ball_resolution = 0.004;
+// Boxes this small, relative to the workspace, are given up: too early only costs margin.
+constexpr double level_resolution = 1e-4;
 // For the margin and the ball together.
 constexpr double most_seconds = 60.0;
-
-void raise_to(std::atomic<double>& value, double candidate) {
-  double seen = value;
-  while (candidate > seen && !value.compare_exchange_weak(seen, candidate)) {
-  }
-}
-
-// Above |grad y|_2 on each box of the tile.
-TileRow gradient_norm(ScalarEnclosure& function, const BoxTile& tile) {
-  TileRow sum;
-  for (Eigen::Index d = 0; d < tile.dimension(); ++d) {
-    const TileForm& partial = function.partial_derivative(tile, d);
-    sum += partial.upper(tile).max(-partial.lower(tile)).square();
-  }
-  return sum.sqrt() * slack;
-}
-
-// What all the examiners below share: their functions, and boxes put into tiles.
-class TileExaminer : public BoxExaminer {
- public:
-  TileExaminer(const ProofFunctions& functions, double resolution)
-      : barrier_(*functions.B, functions.f.get()),
-        lyapunov_(*functions.V, functions.f.get()),
-        tile_(functions.B->input_dimension()),
-        resolution_(resolution) {}
-
-  void examine(BoxBatch& batch) override {
-    for (Eigen::Index first = 0; first < batch.count; first += tile_boxes) {
-      const Eigen::Index count = std::min<Eigen::Index>(tile_boxes, batch.count - first);
-      tile_.assign(batch.lower, batch.upper, batch.first + first, count);
-      evaluate();
-      for (Eigen::Index lane = 0; lane < count; ++lane) {
-        const Eigen::Index row = batch.first + first + lane;
-        const Eigen::RowVectorXd lower = batch.lower.row(row), upper = batch.upper.row(row);
-        const bool narrow = (upper - lower).maxCoeff() <= resolution_;
-        batch.status[static_cast<std::size_t>(row)] = judge(lane, lower, upper, narrow);
-      }
-    }
-  }
-
- protected:
-  virtual void evaluate() = 0;
-  virtual BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd& lower, const Eigen::RowVectorXd& upper,
-                          bool narrow) = 0;
-
-  ScalarEnclosure barrier_, lyapunov_;
-  BoxTile tile_;
-
- private:
-  double resolution_;
-};
 
 // Boxes that {B = 0} may meet, with bounds that hold on each: Bdot <= rate and |grad B|_2 <= gradient.
 // Together with boxes that {B = 0} does not meet they cover the workspace.
@@ -143,64 +92,6 @@ class BarrierExaminer final : public TileExaminer {
   Eigen::Array<bool, tile_boxes, 1> meets_;
 };
 
-// Vdot + delta |grad V| < 0 in {B <= 0}; where that cannot be shown, `level` is raised to V.
-class DescentExaminer final : public TileExaminer {
- public:
-  DescentExaminer(const ProofFunctions& functions, double resolution, double disturbance,
-                  std::atomic<double>& level)
-      : TileExaminer(functions, resolution), disturbance_(disturbance), level_(level) {}
-
- private:
-  void evaluate() override {
-    outside_ = barrier_.value(tile_).lower(tile_) > 0.0;
-    if (outside_.all()) return;
-    rate_ = lyapunov_.lie_derivative(tile_).upper(tile_);
-    if ((!outside_ && rate_ < 0.0).any()) rate_ += disturbance_ * gradient_norm(lyapunov_, tile_) * slack;
-    value_ = lyapunov_.value(tile_).upper(tile_);
-  }
-  BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd&, const Eigen::RowVectorXd&,
-                  bool narrow) override {
-    if (outside_(lane) || rate_(lane) < -1e-300 || value_(lane) <= level_) return BoxStatus::proved;
-    if (!narrow) return BoxStatus::undecided;
-    raise_to(level_, std::isnan(value_(lane)) ? infinity : value_(lane));
-    return BoxStatus::abandoned;
-  }
-
-  double disturbance_;
-  std::atomic<double>& level_;
-  TileRow rate_, value_;
-  Eigen::Array<bool, tile_boxes, 1> outside_;
-};
-
-// The ball around {V <= level} in {B <= 0}: `radius` is raised to hold every box that is not shown to lie
-// outside.
-class SublevelExaminer final : public TileExaminer {
- public:
-  SublevelExaminer(const ProofFunctions& functions, double resolution, double level,
-                   std::atomic<double>& radius)
-      : TileExaminer(functions, resolution), level_(level), radius_(radius) {}
-
- private:
-  void evaluate() override {
-    outside_ = barrier_.value(tile_).lower(tile_) > 0.0;
-    const TileForm& value = lyapunov_.value(tile_);
-    outside_ = outside_ || value.lower(tile_) > level_;
-    inside_ = value.upper(tile_) <= level_;
-  }
-  BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd& lower, const Eigen::RowVectorXd& upper,
-                  bool narrow) override {
-    const double reach = lower.cwiseAbs().cwiseMax(upper.cwiseAbs()).norm() * slack;
-    if (outside_(lane) || reach <= radius_) return BoxStatus::proved;
-    if (!inside_(lane) && !narrow) return BoxStatus::undecided;
-    raise_to(radius_, reach);
-    return BoxStatus::proved;
-  }
-
-  double level_;
-  std::atomic<double>& radius_;
-  Eigen::Array<bool, tile_boxes, 1> outside_, inside_;
-};
-
 class Search {
  public:
   Search(const ProofFunctions& functions, const SafetyProblem& problem)
@@ -247,18 +138,13 @@ class Search {
   void limit_boxes(std::int64_t boxes) { limits_.max_boxes = std::min(most_boxes, boxes); }
 
   double radius(double disturbance) {
-    limits_.max_boxes = most_boxes;
-    limits_.max_abandoned = std::numeric_limits<std::int64_t>::max();
-    const double resolution = ball_resolution * width();
-    std::atomic<double> level = 0.0, radius = 0.0;
-    const BranchResult descent =
-        run([&] { return std::make_unique<DescentExaminer>(functions_, resolution, disturbance, level); });
-    // Abandoned boxes lie in the sublevel set by now; boxes that a limit left open do not.
-    if (descent.stopped || !(level < infinity)) return infinity;
-    const double found = level;
-    const BranchResult sublevel =
-        run([&] { return std::make_unique<SublevelExaminer>(functions_, resolution, found, radius); });
-    return sublevel.proved ? radius.load() : infinity;
+    BranchLimits limits = limits_;
+    limits.max_boxes = most_boxes;
+    limits.max_seconds = most_seconds - seconds();
+    const ConvergenceBall ball = convergence_ball(
+        functions_, problem_, [&] { return std::make_unique<BoundedPerturbation>(disturbance); }, limits);
+    boxes_ += ball.boxes;
+    return ball.radius;
   }
 
   std::int64_t boxes() const { return boxes_; }
@@ -287,11 +173,6 @@ class Search {
     boxes_ += result.boxes;
     return result;
   }
-  template <typename Factory>
-  BranchResult run(const Factory& factory) {
-    return run(problem_.workspace.lower.transpose(), problem_.workspace.upper.transpose(), factory);
-  }
-
   const ProofFunctions& functions_;
   const SafetyProblem& problem_;
   BranchLimits limits_;

@@ -255,6 +255,20 @@ void NetworkFunction::models(const BoxTile& tile, Workspace& workspace, TileMode
   for (std::size_t i = 0; i < y.remainder.size(); ++i) y.remainder[i] = memory.a_remainder[i] * slack;
 }
 
+// What a constant direction makes of the second stream.
+void NetworkFunction::partial_models(const BoxTile& tile, Workspace& workspace, Eigen::Index axis,
+                                     TileModels& partials) const {
+  check(stack_.head != Head::squared_norm, "network function: a squared norm has no models of its own");
+  Memory& memory = static_cast<Memory&>(workspace);
+  TileModels direction(input_dimension(), input_dimension());
+  direction.value(axis).setOnes();
+  forward(tile, &direction, memory);
+  for (Eigen::Index i = 0; i < output_dimension(); ++i) {
+    std::copy_n(&memory.a[(2 * i + 1) * columns()], columns(), &partials.value(i));
+    partials.remainder[i] = memory.a_remainder[2 * i + 1] * slack;
+  }
+}
+
 void NetworkFunction::add_deviations(const BoxTile& tile, Workspace& workspace,
                                      const std::vector<TileRow>& adjoint, TileForm& q) const {
   Memory& memory = static_cast<Memory&>(workspace);

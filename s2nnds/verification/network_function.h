@@ -20,6 +20,8 @@ class NetworkFunction final : public TaylorFunction {
   void models(const BoxTile& tile, Workspace& workspace, TileModels& y) const override;
   void add_deviations(const BoxTile& tile, Workspace& workspace, const std::vector<TileRow>& adjoint,
                       TileForm& q) const override;
+  void partial_models(const BoxTile& tile, Workspace& workspace, Eigen::Index axis,
+                      TileModels& partials) const override;
   void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const override;
   void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                       std::vector<TileRow>& adjoint, TileForm& q) const override;

@@ -40,8 +40,9 @@ PolynomialFunction::PolynomialFunction(const std::vector<Polynomial>& outputs) {
     degree_ = std::max(degree_, polynomial.degree());
     outputs_.push_back(partials_of(polynomial, expansion_orders));
   }
-  for (Eigen::Index d = 0; d < dimension_; ++d) {
-    gradients_.push_back(partials_of(outputs.front().derivative(d), expansion_orders));
+  for (const Polynomial& polynomial : outputs) {
+    for (Eigen::Index d = 0; d < dimension_; ++d)
+      gradients_.push_back(partials_of(polynomial.derivative(d), expansion_orders));
   }
 }
 
@@ -124,16 +125,31 @@ void PolynomialFunction::expand(const Partials& partials, const BoxTile& tile, M
   form.remainder *= polynomial_slack;
 }
 
+namespace {
+
+void put(const TileForm& form, Eigen::Index i, TileModels& y) {
+  y.value(i) = form.value;
+  y.remainder[i] = form.remainder;
+  std::copy(form.gradient.begin(), form.gradient.end(), y.slope(i));
+  std::copy(form.hessian.begin(), form.hessian.end(), y.hessian(i));
+}
+
+}  // namespace
+
 void PolynomialFunction::models(const BoxTile& tile, Workspace& workspace, TileModels& y) const {
   Memory& memory = static_cast<Memory&>(workspace);
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
-    TileForm& form = memory.outputs[i];
-    expand(outputs_[i], tile, memory, form);
-    const auto at = static_cast<Eigen::Index>(i);
-    y.value(at) = form.value;
-    y.remainder[i] = form.remainder;
-    std::copy(form.gradient.begin(), form.gradient.end(), y.slope(at));
-    std::copy(form.hessian.begin(), form.hessian.end(), y.hessian(at));
+    expand(outputs_[i], tile, memory, memory.outputs[i]);
+    put(memory.outputs[i], static_cast<Eigen::Index>(i), y);
+  }
+}
+
+void PolynomialFunction::partial_models(const BoxTile& tile, Workspace& workspace, Eigen::Index axis,
+                                        TileModels& partials) const {
+  Memory& memory = static_cast<Memory&>(workspace);
+  for (Eigen::Index i = 0; i < output_dimension(); ++i) {
+    expand(gradients_[static_cast<std::size_t>(i * dimension_ + axis)], tile, memory, memory.gradient);
+    put(memory.gradient, i, partials);
   }
 }
 

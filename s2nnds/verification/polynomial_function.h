@@ -21,6 +21,8 @@ class PolynomialFunction final : public TaylorFunction {
   void models(const BoxTile& tile, Workspace& workspace, TileModels& y) const override;
   void add_deviations(const BoxTile& tile, Workspace& workspace, const std::vector<TileRow>& adjoint,
                       TileForm& q) const override;
+  void partial_models(const BoxTile& tile, Workspace& workspace, Eigen::Index axis,
+                      TileModels& partials) const override;
   void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const override;
   void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                       std::vector<TileRow>& adjoint, TileForm& q) const override;
@@ -50,7 +52,7 @@ class PolynomialFunction final : public TaylorFunction {
   Eigen::Index dimension_ = 0;
   int degree_ = 0;
   std::vector<Partials> outputs_;    // [m]
-  std::vector<Partials> gradients_;  // [n], of the first output
+  std::vector<Partials> gradients_;  // [m, n], of every output
 };
 
 }  // namespace s2nnds

@@ -115,6 +115,26 @@ TileRow TileForm::bound(const BoxTile& tile, double sign) const {
   return result;
 }
 
+// The polynomial's gradient anywhere on the box, times the distance; what it leaves out may have both signs.
+TileRow TileForm::variation(const BoxTile& tile, double distance) const {
+  const Eigen::Index n = tile.dimension();
+  TileRow slopes, size = value.abs();
+  for (Eigen::Index d = 0; d < n; ++d) {
+    TileRow slope = gradient[d].abs();
+    for (Eigen::Index e = 0; e < n; ++e) {
+      const TileRow& h = hessian[triangle_row(std::min(d, e), std::max(d, e), n)];
+      slope += h.abs() * tile.half[e];
+      size += h.abs() * tile.half[d] * tile.half[e];
+    }
+    size += gradient[d].abs() * tile.half[d];
+    slopes += slope.square();
+  }
+  const double roundings = 4.0 * unit_roundoff * operations;
+  const TileRow error =
+      remainder * (1.0 + roundings) + roundings * (magnitude + size) * (1.0 + roundings) + underflow;
+  return (distance * slopes.sqrt() + 2.0 * error) * slack;
+}
+
 Vector TileForm::extreme_point(const BoxTile& tile, Eigen::Index lane, double sign) const {
   const Eigen::Index n = tile.dimension();
   Vector point(n);

@@ -92,6 +92,8 @@ struct TileForm {
   TileRow upper(const BoxTile& tile) const;
   // Below every value of q on each box; NaN where nothing is known.
   TileRow lower(const BoxTile& tile) const;
+  // Above |q(x) - q(y)| for all x, y of each box with |x - y|_2 <= distance; NaN where nothing is known.
+  TileRow variation(const BoxTile& tile, double distance) const;
   // A corner or stationary point of the separable part of the form that makes it large (sign 1) or small
   // (sign -1): where to look for a violation. Not rigorous.
   Vector extreme_point(const BoxTile& tile, Eigen::Index lane, double sign) const;
@@ -135,6 +137,10 @@ class TaylorFunction {
   // After models(): adds sum_i adjoint_i (y_i(x) - value_i - slope_i . dx) to q, adjoint [m].
   virtual void add_deviations(const BoxTile& tile, Workspace& workspace, const std::vector<TileRow>& adjoint,
                               TileForm& q) const = 0;
+
+  // Models of the partial derivatives dy_i/dx_axis of all outputs i.
+  virtual void partial_models(const BoxTile& tile, Workspace& workspace, Eigen::Index axis,
+                              TileModels& partials) const = 0;
 
   // Scalar functions only (m = 1). Adds y(x) to q.
   virtual void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const = 0;

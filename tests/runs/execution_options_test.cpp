@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "s2nnds/runs/execution_options.h"
+
+#include <gtest/gtest.h>
+
+#include "s2nnds/core/check.h"
+#include "s2nnds/runs/certified_scope.h"
+#include "s2nnds/runs/config.h"
+#include "s2nnds/runs/verification_run.h"
+#include "tests/verification/hand_made_system.h"
+
+namespace s2nnds {
+namespace {
+
+ExecutionOptions read(const std::string& keys) {
+  return parse_config("[execution]\n" + keys, "a test").execution;
+}
+
+Frame frame_in(const std::string& unit) {
+  Frame frame;
+  frame.unit = unit;
+  frame.position_scale = 40.0;
+  frame.velocity_scale = 20.0;  // two seconds a unit of time
+  return frame;
+}
+
+TEST(ExecutionOptions, AreIdealUnlessSomethingIsAskedFor) {
+  EXPECT_TRUE(ExecutionOptions().is_ideal());
+  EXPECT_TRUE(read("").is_ideal());
+  EXPECT_FALSE(read("speed = 2.0").is_ideal());
+  EXPECT_FALSE(read("preset = \"arm_1khz\"").is_ideal());
+}
+
+TEST(ExecutionOptions, OfAPresetCanBeChangedKeyByKey) {
+  const ExecutionOptions found = read("preset = \"arm_1khz\"\ndelay = 0.004");
+  EXPECT_EQ(found.unit, "mm");
+  EXPECT_EQ(found.period, 0.001);
+  EXPECT_EQ(found.delay, 0.004);
+  EXPECT_EQ(found.position_error, 1.0);
+  EXPECT_EQ(to_toml(read(to_toml(found))), to_toml(found));
+}
+
+TEST(ExecutionOptions, BecomeNormalised) {
+  const ExecutionOptions options = read(
+      "period = 0.01\ndelay = 0.02\nlag = 0.04\nposition_error = 4.0\nvelocity_error = 5.0\n"
+      "velocity_error_relative = 0.5\nspeed = 1.5");
+  for (const auto& [unit, factor] : {std::pair{"mm", 1.0}, {"m", 1000.0}}) {
+    ExecutionOptions chosen = options;
+    chosen.unit = unit;
+    const ExecutionModel model = execution_model(chosen, frame_in("mm"), 1e-6);
+    EXPECT_NEAR(model.period, 0.005, 1e-12);
+    EXPECT_NEAR(model.delay, 0.01, 1e-12);
+    EXPECT_NEAR(model.lag, 0.02, 1e-12);
+    EXPECT_NEAR(model.position_error, 0.1 * factor, 1e-9);
+    EXPECT_NEAR(model.velocity_error, 0.25 * factor, 1e-9);
+    EXPECT_GE(model.velocity_error, 0.25 * factor);
+    EXPECT_EQ(model.velocity_error_relative, 0.5);
+    EXPECT_EQ(model.field_error, 1e-6);
+    EXPECT_EQ(model.least_speed, 1.5);
+  }
+  ExecutionOptions normalised = options;
+  normalised.unit = "normalised";
+  EXPECT_NEAR(execution_model(normalised, frame_in(""), 0.0).velocity_error, 5.0, 1e-12);
+  ExecutionOptions metres = options;
+  metres.unit = "m";
+  EXPECT_THROW(execution_model(metres, frame_in("rad"), 0.0), Error);
+}
+
+TEST(ExecutionOptions, OutOfRangeAreRefused) {
+  for (const char* keys :
+       {"period = -0.001", "delay = -1.0", "lag = nan", "position_error = -1.0", "speed = 0.0",
+        "velocity_error_relative = 1.0", "preset = \"arm\"", "unit = \"inch\"", "delay = inf"}) {
+    EXPECT_THROW(read(keys), Error) << keys;
+  }
+}
+
+// A verified run of a hand-made system on shipped demonstrations.
+RunRecord verified(const std::string& execution) {
+  const std::string text = R"(
+name = "executed"
+[data]
+source = "handwriting"
+[problem]
+frame = "normalised"
+initial = { type = "ball", center = [0.3, -0.2], radius = 0.2 }
+unsafe = { type = "ball", center = [1.05, 1.05], radius = 0.1 }
+)" + execution;
+  const PreparedRun setup = prepare(parse_config(text, "a test"), "");
+  RunRecord record = new_record(setup, text);
+  record.networks = simple_networks();
+  verify(setup, record, Method::proof, setup.config.verification);
+  if (!setup.config.execution.is_ideal() && record.certificate.execution.invariant)
+    find_certified_speeds(setup, record);
+  check_certificate(record, "a test");
+  return record;
+}
+
+bool says(const RunRecord& record, const std::string& words) {
+  return record.certificate.statement.find(words) != std::string::npos;
+}
+
+TEST(ExecutionCertificate, IsStatedBesideTheGuarantee) {
+  const RunRecord ideal = verified("");
+  ASSERT_EQ(ideal.certificate.guarantee, Guarantee::invariant) << ideal.certificate.statement;
+  EXPECT_FALSE(says(ideal, "As a robot executes it"));
+  EXPECT_EQ(ideal.certificate.scope.find("[execution]"), std::string::npos);
+
+  const RunRecord covered =
+      verified("[execution]\nunit = \"normalised\"\nvelocity_error = 0.1\nperiod = 0.001");
+  EXPECT_TRUE(
+      says(covered, "As a robot executes it (1 times f, commanded from a reading every 1 ms or sooner"))
+      << covered.certificate.statement;
+  EXPECT_TRUE(says(covered, "stays in it, with f evaluated in double or float32"));
+  EXPECT_TRUE(says(covered, "times the demonstrated speed (up to"));
+  EXPECT_TRUE(covered.certificate.execution.shielded);
+  EXPECT_NE(covered.certificate.scope.find("[execution]"), std::string::npos);
+
+  const RunRecord open = verified("[execution]\nunit = \"normalised\"\nvelocity_error = 5.0");
+  EXPECT_EQ(open.certificate.guarantee, Guarantee::invariant);  // of the ideal motion
+  EXPECT_TRUE(says(open, "the motion is NOT certified"));
+  EXPECT_TRUE(says(open, "not about a robot's tracking error"));
+}
+
+TEST(ExecutionCertificate, IsVoidForAnotherModel) {
+  RunRecord record = verified("[execution]\nunit = \"normalised\"\nvelocity_error = 0.1");
+  const std::string old = "velocity_error = 0.1";
+  record.config.resolved.replace(record.config.resolved.find(old), old.size(), "velocity_error = 0.3");
+  EXPECT_THROW(check_certificate(record, "a test"), Error);
+}
+
+}  // namespace
+}  // namespace s2nnds
