@@ -319,6 +319,9 @@ class LevelSetExaminer final : public TileExaminer {
       return narrow || (small_enough && hopeless_(lane)) ? BoxStatus::abandoned : BoxStatus::undecided;
     }
     if (variation_ != nullptr) {
+      // On wide boxes the variation would be that of the box.
+      const double wide = std::max(2.0 * variation_->distance, hopeless_width_);
+      if (!((upper - lower).maxCoeff() <= wide)) return BoxStatus::undecided;
       raise_to(variation_->value, value_change_(lane));
       raise_to(variation_->gradient, gradient_change_(lane));
     }

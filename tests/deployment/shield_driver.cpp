@@ -9,7 +9,6 @@
 #include <cstdlib>
 #include <new>
 #include <random>
-#include <vector>
 
 #include POLICY_HEADER
 
@@ -71,7 +70,7 @@ int main(int, char** arguments) {
   const int oldest = static_cast<int>(delay / period * substeps + 1e-9);
   long left = 0, untouched = 0, changed = 0;
   double largest_own_change = 0;
-  std::vector<Place> past(steps * substeps + 1);
+  static Place past[steps * substeps + 1];
   for (long motion = 0; motion < motions; ++motion) {
     Place p{};
     const Place ray = direction();

@@ -59,8 +59,8 @@ class ShieldOf : public testing::Test {
       const double middle = 0.5 * (low + high);
       (prove_shield(functions, problem, model_at(middle)).certified ? low : high) = middle;
     }
-    size_ = low;
-    const Shield shield = prove_shield(functions, problem, model_at(low));
+    size_ = 0.3 * low;  // so that there is an inside, where nothing has to be done
+    const Shield shield = prove_shield(functions, problem, model_at(size_));
     Policy policy;
     policy.networks = networks;
     PolicyInfo& info = policy.info;
@@ -104,10 +104,10 @@ class ShieldOf : public testing::Test {
 };
 
 TEST_F(ShieldOf, NoMotionLeavesWhateverIsWanted) {
-  ASSERT_GT(size_, 0.3);
+  ASSERT_GT(size_, 0.1);
   const Found found = attack(2000, 1.0);
   EXPECT_EQ(found.left, 0);
-  EXPECT_GT(found.untouched, 1000);
+  EXPECT_GT(found.untouched, 100);
   EXPECT_GT(found.changed, 1000);
   EXPECT_EQ(found.own_change, 0.0);
   EXPECT_EQ(found.inside_change, 0.0);
@@ -115,7 +115,7 @@ TEST_F(ShieldOf, NoMotionLeavesWhateverIsWanted) {
   EXPECT_EQ(found.handles_nan, 1);
   EXPECT_LT(found.nanoseconds, 50000.0);  // loaded machines; some 1000 otherwise
   RecordProperty("nanoseconds", std::to_string(found.nanoseconds));
-  EXPECT_GT(attack(300, 5.0).left, 0);  // the shield does not hold by chance
+  EXPECT_GT(attack(300, 12.0).left, 0);  // the shield does not hold by chance
 }
 
 TEST_F(ShieldOf, DISABLED_NoneOfAMillionMotionsLeaves) { EXPECT_EQ(attack(1000000, 1.0).left, 0); }

@@ -532,7 +532,6 @@ class Run:
     def _read_certificate(self, file):
         group = file.get("certificate", {})
         self.certificate = {"guarantee": "none", **(_fields(group) if group else {})}
-        self.certificate["execution"] = _fields(group["execution"]) if "execution" in group else {}
         self.certificate["conditions"] = [_fields(item) for item in _numbered(group.get("conditions", {}))]
         if self.guarantee != "none":
             self._check_scope()
