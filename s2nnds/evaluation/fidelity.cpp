@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "s2nnds/core/check.h"
 #include "s2nnds/core/dynamic_time_warping.h"
 #include "s2nnds/data/survey.h"
 
@@ -49,22 +50,56 @@ Deviation deviation(const Points& path, const Shown& shown) {
   return found;
 }
 
+std::vector<Shown> shown_paths(const std::vector<Demonstration>& demonstrations, const SafetyProblem& problem,
+                               double margin) {
+  std::vector<Shown> shown;
+  for (const Demonstration& each : demonstrations) shown.push_back(shown_path(each, problem, margin));
+  return shown;
+}
+
+// `limit`, or the distance to the nearest other demonstration.
+double limit_of(const std::vector<Shown>& shown, std::size_t k, double limit) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t other = 0; other < shown.size(); ++other)
+    if (other != k) nearest = std::min(nearest, deviation(shown[other].place, shown[k]).mean);
+  return shown.size() > 1 ? std::max(limit, nearest) : limit;
+}
+
 }  // namespace
 
 std::vector<Deviation> deviations(const StateFunction& f, const SafetyProblem& problem,
                                   const std::vector<Demonstration>& demonstrations, double limit,
                                   double margin, const RolloutOptions& options) {
-  std::vector<Shown> shown;
-  for (const Demonstration& each : demonstrations) shown.push_back(shown_path(each, problem, margin));
+  const std::vector<Shown> shown = shown_paths(demonstrations, problem, margin);
   std::vector<Deviation> all;
   for (std::size_t k = 0; k < shown.size(); ++k) {
     const Rollout motion = roll_out(f, problem, demonstrations[k].position.row(0).transpose(), options);
     Deviation found = deviation(along_path(motion.position, kPlaces), shown[k]);
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t other = 0; other < shown.size(); ++other)
-      if (other != k) nearest = std::min(nearest, deviation(shown[other].place, shown[k]).mean);
-    found.limit = shown.size() > 1 ? std::max(limit, nearest) : limit;
+    found.limit = limit_of(shown, k, limit);
     all.push_back(found);
+  }
+  return all;
+}
+
+std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProblem& problem,
+                                        const std::vector<Demonstration>& demonstrations,
+                                        const Points& starts, double limit, double margin,
+                                        const RolloutOptions& options) {
+  check(!demonstrations.empty(), "fidelity: found no demonstrations, expected at least one");
+  const std::vector<Shown> shown = shown_paths(demonstrations, problem, margin);
+  std::vector<double> limits;
+  for (std::size_t k = 0; k < shown.size(); ++k) limits.push_back(limit_of(shown, k, limit));
+  std::vector<Deviation> all;
+  for (Eigen::Index i = 0; i < starts.rows(); ++i) {
+    const Points path =
+        along_path(roll_out(f, problem, starts.row(i).transpose(), options).position, kPlaces);
+    Deviation nearest{.mean = std::numeric_limits<double>::infinity()};
+    for (std::size_t k = 0; k < shown.size(); ++k) {
+      Deviation found = deviation(path, shown[k]);
+      found.limit = limits[k];
+      if (found.mean < nearest.mean) nearest = found;
+    }
+    all.push_back(nearest);
   }
   return all;
 }

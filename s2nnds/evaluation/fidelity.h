@@ -24,6 +24,13 @@ std::vector<Deviation> deviations(const StateFunction& f, const SafetyProblem& p
                                   const std::vector<Demonstration>& demonstrations, double limit,
                                   double margin, const RolloutOptions& options = {});
 
+// The same for motions from `starts` [N, n]: of each, the deviation from the demonstration that it is nearest to, whose limit
+// it has. Throws Error without demonstrations.
+std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProblem& problem,
+                                        const std::vector<Demonstration>& demonstrations,
+                                        const Points& starts, double limit, double margin,
+                                        const RolloutOptions& options = {});
+
 // The largest mean / limit: at most 1 where every demonstration is followed. 0 without demonstrations.
 double worst_share(const std::vector<Deviation>& deviations);
 

@@ -6,6 +6,7 @@
 
 #include "s2nnds/data/survey.h"
 #include "s2nnds/evaluation/topology.h"
+#include "s2nnds/problem/region_sampler.h"
 #include "s2nnds/runs/user_units.h"
 
 namespace s2nnds {
@@ -71,6 +72,31 @@ std::string fidelity_remark(const PreparedRun& setup, const RunRecord& record,
       reason_of(setup, record, strays));
 }
 
+// Motions from the initial set that arrive another way than any demonstration; empty where none of those drawn does.
+std::string initial_set_remark(const PreparedRun& setup, const RunRecord& record) {
+  constexpr std::int64_t kStarts = 16;
+  const auto sampler = sampler_of(setup.problem.initial, setup.problem.workspace);
+  if (!sampler) return "";
+  RandomStream random(static_cast<std::uint64_t>(record.seed), "fidelity/starts");
+  const std::vector<Deviation> all =
+      start_deviations(record.networks.f, setup.problem, setup.train(), sampler->sample(kStarts, random),
+                       setup.config.evaluation.fidelity, 2.0 * setup.config.training.obstacle_margin,
+                       setup.config.evaluation.rollout);
+  double farthest = 0.0;
+  std::int64_t strays = 0;
+  for (const Deviation& each : all) {
+    if (each.follows()) continue;
+    ++strays;
+    farthest = std::max(farthest, each.mean);
+  }
+  if (strays == 0) return "";
+  return fmt::format(
+      "From {} of {} starts drawn in the initial set the motion takes another way than any demonstration, {} "
+      "away on "
+      "average at most.",
+      strays, kStarts, UserUnits(record).length(farthest));
+}
+
 // The nearest of what can be in the way at x [n], normalised.
 std::string neighbour_of(const PreparedRun& setup, const Vector& x) {
   const Points at = x.transpose();
@@ -128,6 +154,8 @@ std::vector<std::string> topology_remarks(const PreparedRun& setup, const RunRec
 std::vector<std::string> motion_remarks(const PreparedRun& setup, const RunRecord& record,
                                         const std::vector<Deviation>& deviations) {
   std::vector<std::string> remarks = {fidelity_remark(setup, record, deviations)};
+  if (std::string strays = initial_set_remark(setup, record); !strays.empty())
+    remarks.push_back(std::move(strays));
   if (record.certificate.guarantee >= Guarantee::proved || setup.config.verification.method != Method::proof)
     return remarks;
   for (std::string& remark : topology_remarks(setup, record)) remarks.push_back(std::move(remark));

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "s2nnds/problem/region.h"
 
 namespace s2nnds {
@@ -77,6 +79,19 @@ TEST(Fidelity, AllowsWhatTheDemonstrationsDiffer) {
   const auto found = deviations(kStraight, problem_with(nothing()), {shown(up), shown(down)}, 0.1, 0.0);
   EXPECT_GT(found[0].limit, 0.2);
   EXPECT_TRUE(found[0].follows());
+}
+
+TEST(Fidelity, MeasuresStartsByTheNearestDemonstration) {
+  const auto straight = shown([](double) { return 0.0; });
+  const auto bow = shown([](double x) { return 2.0 * x * (1.0 - x); });
+  Points starts(2, 2);
+  starts << 1.0, 0.0, 0.0, 1.0;
+  const auto found = start_deviations(kStraight, problem_with(nothing()), {bow, straight}, starts, 0.1, 0.0);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_LT(found[0].largest, 0.025);  // along the second
+  EXPECT_TRUE(found[0].follows());
+  EXPECT_FALSE(found[1].follows());  // along neither
+  EXPECT_NEAR(found[1].largest, std::sqrt(2.0), 0.7);
 }
 
 }  // namespace
