@@ -8,38 +8,34 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cfenv>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <iterator>
-#include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 namespace {
-using std::size_t, std::string;
+using std::fabs, std::max, std::min, std::size_t, std::string;
 using Numbers = std::vector<double>;
-
 [[noreturn]] void fail(const string& found) { throw std::runtime_error("found " + found); }
-
 // All arithmetic of this program runs while the processor rounds upward, on each thread. An interval is kept as its upper
 // bound and the negative of its lower bound, so that rounding upward moves both outward.
 void round_up() {
   std::fesetenv(FE_DFL_ENV);  // no flush to zero
   std::fesetround(FE_UPWARD);
 }
-// {x : -minus_lower <= x <= upper}
-struct Interval {
+struct Interval {  // -minus_lower <= x <= upper
   double upper = 0.0, minus_lower = 0.0;
-  double size() const { return std::max(upper, minus_lower); }  // |x| is at most this
+  double size() const { return max(upper, minus_lower); }  // |x| is at most this
 };
 using Intervals = std::vector<Interval>;
-
 Interval at(double x) { return {x, -x}; }
 Interval around_zero(double size) { return {size, size}; }
 Interval operator-(Interval a) { return {a.minus_lower, a.upper}; }
@@ -47,51 +43,49 @@ Interval operator+(Interval a, Interval b) { return {a.upper + b.upper, a.minus_
 Interval operator-(Interval a, Interval b) { return a + (-b); }
 Interval operator*(Interval a, Interval b) {
   const double au = a.upper, al = a.minus_lower, bu = b.upper, bl = b.minus_lower;  // al and bl are negated
-  return {std::max(std::max(au * bu, -au * bl), std::max(-al * bu, al * bl)),
-          std::max(std::max(-au * bu, au * bl), std::max(al * bu, -al * bl))};
+  return {max(max(au * bu, -au * bl), max(-al * bu, al * bl)),
+          max(max(-au * bu, au * bl), max(al * bu, -al * bl))};
 }
 Interval positive_inverse(Interval a) { return {1.0 / -a.minus_lower, -1.0 / a.upper}; }
 Interval maximum(Interval a, Interval b) {
-  return {std::max(a.upper, b.upper), -std::max(-a.minus_lower, -b.minus_lower)};
+  return {max(a.upper, b.upper), min(a.minus_lower, b.minus_lower)};
 }
 // y += w x
 void add_multiple(double w, Interval x, Interval& y) {
-  const double size = std::fabs(w);
+  const double size = fabs(w);
   y.upper += size * (w < 0.0 ? x.minus_lower : x.upper);
   y.minus_lower += size * (w < 0.0 ? x.upper : x.minus_lower);
 }
-// Encloses tanh by a table of values that MPFR rounded down and up, and Taylor's theorem in between.
-class Tanh {
- public:
-  Tanh() {
-    mpfr_t z, t;
-    mpfr_inits2(53, z, t, static_cast<mpfr_ptr>(nullptr));
-    for (int k = 0; k <= static_cast<int>(2 * reach / spacing); ++k) {
-      mpfr_set_d(z, k * spacing - reach, MPFR_RNDN);  // exact: sums of few powers of two
-      mpfr_tanh(t, z, MPFR_RNDU);
-      upper_.push_back(mpfr_get_d(t, MPFR_RNDU));
-      mpfr_tanh(t, z, MPFR_RNDD);
-      minus_lower_.push_back(-mpfr_get_d(t, MPFR_RNDD));
-    }
-    mpfr_clears(z, t, static_cast<mpfr_ptr>(nullptr));
+constexpr double spacing = 1.0 / 512, reach = 20.0;
+// tanh at -reach, -reach + spacing, ..., reach, rounded down and up by MPFR.
+Intervals tanh_table() {
+  Intervals table;
+  mpfr_t z, t;
+  mpfr_inits2(53, z, t, static_cast<mpfr_ptr>(nullptr));
+  for (int k = 0; k <= static_cast<int>(2 * reach / spacing); ++k) {
+    mpfr_set_d(z, k * spacing - reach, MPFR_RNDN);  // exact: sums of few powers of two
+    mpfr_tanh(t, z, MPFR_RNDD);
+    const double lower = mpfr_get_d(t, MPFR_RNDD);
+    mpfr_tanh(t, z, MPFR_RNDU);
+    table.push_back({mpfr_get_d(t, MPFR_RNDU), -lower});
   }
-  Interval operator()(Interval z) const {
-    const double middle = 0.5 * (z.upper - z.minus_lower);
-    const size_t k = std::fabs(middle) <= reach ? std::lround((middle + reach) / spacing) : 0;
-    const Interval t{upper_[k], minus_lower_[k]}, d = z - at(static_cast<double>(k) * spacing - reach);
-    if (!(d.size() <= spacing))
-      return {z.upper < -reach ? upper_.front() : 1.0, -z.minus_lower > reach ? minus_lower_.back() : 1.0};
-    const Interval third{0.33333333333333337, -0.3333333333333333}, d2 = d * d, first = at(1.0) - t * t;
-    // The fourth derivative is below 4.1, and 4.1 / 24 < 0.171.
-    return t + first * d - t * first * d2 + first * (t * t - third) * d2 * d +
-           around_zero(0.171 * d2.upper * d2.upper);
-  }
-
- private:
-  static constexpr double spacing = 1.0 / 512, reach = 20.0;
-  Numbers upper_, minus_lower_;  // at -reach, -reach + spacing, ...
-};
-
+  mpfr_clears(z, t, static_cast<mpfr_ptr>(nullptr));
+  return table;
+}
+// tanh(z), by that table and Taylor's theorem in between.
+Interval tanh_range(Interval z) {
+  static const Intervals table = tanh_table();
+  const double middle = 0.5 * (z.upper - z.minus_lower);
+  const size_t k = fabs(middle) <= reach ? std::lround((middle + reach) / spacing) : 0;
+  const Interval t = table[k], d = z - at(static_cast<double>(k) * spacing - reach);
+  if (!(d.size() <= spacing))
+    return {z.upper < -reach ? table.front().upper : 1.0,
+            -z.minus_lower > reach ? table.back().minus_lower : 1.0};
+  const Interval third{0.33333333333333337, -0.3333333333333333}, d2 = d * d, first = at(1.0) - t * t;
+  // The fourth derivative is below 4.1, and 4.1 / 24 < 0.171.
+  return t + first * d - t * first * d2 + first * (t * t - third) * d2 * d +
+         around_zero(0.171 * d2.upper * d2.upper);
+}
 struct Box {
   Numbers lower, upper;  // [n]
 };
@@ -121,12 +115,12 @@ struct Form {
 class Tape {
  public:
   static constexpr size_t zero = 0, one = 1, x = 2;  // the first steps: constants, and the coordinates [n]
-  Tape(const Box& box, const Tanh& tanh) : tanh_(tanh), n_(box.lower.size()) {
+  explicit Tape(const Box& box) : n_(box.lower.size()) {
     given(at(0.0));
     given(at(1.0));
     for (size_t d = 0; d < n_; ++d) {
       const double center = 0.5 * box.lower[d] + 0.5 * box.upper[d];
-      half_[d] = std::max(box.upper[d] - center, center - box.lower[d]);
+      half_[d] = max(box.upper[d] - center, center - box.lower[d]);
       steps_[given(at(center))].form.slope[d] = at(1.0);
     }
   }
@@ -139,7 +133,7 @@ class Tape {
       const Form& term = form(first + k);
       add_multiple(weights[k], term.value, y.value);
       for (size_t d = 0; d < n_; ++d) add_multiple(weights[k], term.slope[d], y.slope[d]);
-      y.rest += std::fabs(weights[k]) * term.rest;
+      y.rest += fabs(weights[k]) * term.rest;
     }
     return add({Kind::sum, y, first, 0, 0, {}, &weights});
   }
@@ -147,14 +141,14 @@ class Tape {
   // (1 - t^2) (6 t^2 - 2), below 1, 0.77 and 2; t is within its value at the center +- spread, as the first is at most 1.
   size_t tanh(size_t of) {
     const Form& z = form(of);
-    const Interval t = tanh_(z.value), first = at(1.0) - t * t, second = at(-2.0) * t * first;
+    const Interval t = tanh_range(z.value), first = at(1.0) - t * t, second = at(-2.0) * t * first;
     // |tanh| lies within [least, most]; 1 - least^2 from above, where least^2 may have been rounded up.
-    const double away = spread(z), most = std::min(t.size() + away, 1.0);
-    const double least = std::max(-(away - std::max(-t.upper, -t.minus_lower)), 0.0);
+    const double away = spread(z), most = min(t.size() + away, 1.0);
+    const double least = max(-(away - max(-t.upper, -t.minus_lower)), 0.0);
     const double steepest = -(least * least - 1.0) + 1e-15;
-    Form y{t, {}, first.size() * z.rest + 0.5 * std::min(2.0 * most * steepest, 0.77) * away * away};
+    Form y{t, {}, first.size() * z.rest + 0.5 * min(2.0 * most * steepest, 0.77) * away * away};
     for (size_t d = 0; d < n_; ++d) y.slope[d] = first * z.slope[d];
-    return add({Kind::tanh, y, of, 0, 0, first, nullptr, second, std::min(4.0 * steepest, 2.0)});
+    return add({Kind::tanh, y, of, 0, 0, first, nullptr, second, min(4.0 * steepest, 2.0)});
   }
   size_t product(size_t plus, double factor, size_t a, size_t b) {
     const Form &u = form(a), &v = form(b);
@@ -165,9 +159,7 @@ class Tape {
     y.rest += by_u.size() * u.rest + by_v.size() * v.rest + f.size() * spread(u) * spread(v);
     return add({Kind::product, y, a, b, plus, f});
   }
-  Interval rough_range(size_t y) const {
-    return form(y).value + around_zero(spread(form(y)));
-  }  // by its form alone
+  Interval rough_range(size_t y) const { return form(y).value + around_zero(spread(form(y))); }
   const Form& form(size_t k) const { return steps_[k].form; }
   // Let each step be its tangent at the center plus a bend. Then y is its own tangent plus all bends, each times y's derivative
   // at the center by that step. The bends' terms of second order make y's hessian, those of third order are bounded.
@@ -208,7 +200,7 @@ class Tape {
       // Of s t + c t^2 on 0 <= t <= h: at h, or at an extremum t <= h, where it is s t / 2.
       const double h = half_[d], s = form(y).slope[d].size() * h;
       const Interval bow = at(0.5) * at(h) * at(h) * hessian[d][d];
-      sum = sum + Interval{std::max(0.5 * s, s + bow.upper), std::max(0.5 * s, s + bow.minus_lower)};
+      sum = sum + Interval{max(0.5 * s, s + bow.upper), max(0.5 * s, s + bow.minus_lower)};
       for (size_t e = d + 1; e < n_; ++e) sum = sum + around_zero(hessian[d][e].size() * h * half_[e]);
     }
     return sum;
@@ -225,17 +217,13 @@ class Tape {
     Interval second{};        // tanh's second derivative at the center
     double third_size = 0.0;  // above the size of its third one on the box; it is below 4 (1 - t^2)
   };
-  size_t add(const Step& step) {
-    steps_.push_back(step);
-    return size() - 1;
-  }
+  size_t add(const Step& step) { return steps_.push_back(step), size() - 1; }
   double linear(const Form& of) const {  // above |slope . d|
     double sum = 0.0;
     for (size_t d = 0; d < n_; ++d) sum += of.slope[d].size() * half_[d];
     return sum;
   }
   double spread(const Form& of) const { return linear(of) + of.rest; }
-  const Tanh& tanh_;
   size_t n_;
   std::array<double, most_dimensions> half_{};  // rounded up
   std::vector<Step> steps_;
@@ -261,22 +249,19 @@ std::pair<size_t, size_t> apply(const Network& network, Tape& tape, size_t direc
   for (size_t i = 0; i < network.offset.size(); ++i) tape.subtract(x + i, network.offset[i]);
   return {x, p};
 }
-
-void find_offset(Network& network, const Tanh& tanh) {
-  if (network.head == "plain") return;
-  const Numbers origin(network.inputs());
-  Tape tape({origin, origin}, tanh);
-  const size_t first = apply(network, tape).first;
-  for (size_t i = 0; i < network.outputs(); ++i) network.offset.push_back(tape.rough_range(first + i));
+void find_offset(Network& network) {
+  Tape tape({Numbers(network.inputs()), Numbers(network.inputs())});
+  const size_t first = apply(network, tape).first, count = network.head == "plain" ? 0 : network.outputs();
+  for (size_t i = 0; i < count; ++i) network.offset.push_back(tape.rough_range(first + i));
 }
 // B on the box.
-Interval value_range(const Network& B, const Box& box, const Tanh& tanh) {
-  Tape tape(box, tanh);
+Interval value_range(const Network& B, const Box& box) {
+  Tape tape(box);
   return tape.range(apply(B, tape).first);
 }
 // The rate of B or V while x moves along f.
-Interval rate_range(const Network& of, const Network& f, const Box& box, const Tanh& tanh) {
-  Tape tape(box, tanh);
+Interval rate_range(const Network& of, const Network& f, const Box& box) {
+  Tape tape(box);
   const size_t p = apply(f, tape).first, n = f.inputs();
   const auto [u, rate] = apply(of, tape, p);
   if (of.head != "squared_norm") return tape.range(rate);
@@ -285,49 +270,48 @@ Interval rate_range(const Network& of, const Network& f, const Box& box, const T
   for (size_t d = 0; d < n; ++d) y = tape.product(y, 2.0 * of.quadratic, Tape::x + d, p + d);
   return tape.range(y);
 }
-// ---- Sets
 // A set {level <= 0}, as a function that encloses the level over a box [n].
 using Region = std::function<Interval(const Intervals&)>;
-
+template <typename T>
+const T& need(const toml::table& table, const char* key) {
+  const T* found = table[key].as<T>();
+  if (found == nullptr) fail(string("no ") + key + " of the expected type");
+  return *found;
+}
 Numbers list(const toml::table& table, const char* key) {
   Numbers found;
-  if (!table[key].is_array()) fail(string("no list ") + key);
-  for (const toml::node& node : *table[key].as_array()) found.push_back(node.value<double>().value());
+  for (const toml::node& node : need<toml::array>(table, key)) found.push_back(node.value<double>().value());
   return found;
 }
-const toml::table& section(const toml::table& table, const char* key) {
-  if (!table[key].is_table()) fail(string("no section ") + key);
-  return *table[key].as_table();
-}
 double scalar(const toml::table& table, const char* key) {
-  if (!table[key].is_number()) fail(string("no number ") + key);
-  return *table[key].value<double>();
-}
-// sum ((x_i - center_i) / semi_axis_i)^2 - 1
-Region ellipsoid(const Numbers& center, const Numbers& semi_axes) {
-  if (!(*std::min_element(semi_axes.begin(), semi_axes.end()) > 0.0)) fail("a radius that is not positive");
-  return [=](const Intervals& x) {
-    Interval sum = at(-1.0);
-    for (size_t d = 0; d < x.size(); ++d) {
-      const Interval u = (x[d] - at(center.at(d))) * positive_inverse(at(semi_axes.at(d)));
-      const double least = std::max(std::max(-u.upper, -u.minus_lower), 0.0);  // of |u|
-      sum = sum + Interval{(u * u).upper, -least * least};
-    }
-    return sum;
-  };
+  const std::optional<double> found = table[key].value<double>();
+  return found ? *found : throw std::runtime_error(string("found no number ") + key);
 }
 // From its TOML table. Throws on what this program does not know.
 Region read_region(const toml::table& table) {
   const string type = table["type"].value_or(string("none"));
   const string known = " type inflate center radius semi_axes lower upper normal offset of ";
-  for (const auto& [key, value] : table)
-    if (known.find(" " + string(key.str()) + " ") == known.npos ||
-        (key.str() == "inflate" && value.value_or(1.0) != 0.0))
-      fail("a region with " + string(key.str()) + ", which this program cannot check");
+  for (const auto& [name, value] : table) {
+    const string key(name.str());
+    if (known.find(" " + key + " ") == known.npos || (key == "inflate" && value.value_or(1.0) != 0.0))
+      fail("a region with " + key + ", which this program cannot check");
+  }
   if (type == "none") return [](const Intervals&) { return -at(-INFINITY); };
-  if (type == "ball")
-    return ellipsoid(list(table, "center"), Numbers(most_dimensions, scalar(table, "radius")));
-  if (type == "ellipsoid") return ellipsoid(list(table, "center"), list(table, "semi_axes"));
+  if (type == "ball" || type == "ellipsoid") {  // sum ((x_i - center_i) / radius_i)^2 - 1
+    const Numbers center = list(table, "center");
+    const Numbers radii =
+        type == "ball" ? Numbers(center.size(), scalar(table, "radius")) : list(table, "semi_axes");
+    if (!(*std::min_element(radii.begin(), radii.end()) > 0.0)) fail("a radius that is not positive");
+    return [=](const Intervals& x) {
+      Interval sum = at(-1.0);
+      for (size_t d = 0; d < x.size(); ++d) {
+        const Interval u = (x[d] - at(center.at(d))) * positive_inverse(at(radii.at(d)));
+        const double least = max(max(-u.upper, -u.minus_lower), 0.0);  // of |u|
+        sum = sum + Interval{(u * u).upper, -least * least};
+      }
+      return sum;
+    };
+  }
   if (type == "box")
     return [lower = list(table, "lower"), upper = list(table, "upper")](const Intervals& x) {
       Interval most = at(-INFINITY);
@@ -355,7 +339,6 @@ Region read_region(const toml::table& table) {
     return type == "complement" ? -level : level;
   };
 }
-// ---- Files
 // The conditions that boxes are asked for: their names in the file, and what they say.
 constexpr const char* conditions[][2] = {{"lyapunov_decrease", "Vdot < 0 but at the goal"},
                                          {"initial", "B < 0 on the initial set"},
@@ -373,7 +356,6 @@ struct Claim {
   string text;                 // the file's own words for the problem
   std::vector<Numbers> cover;  // bytes for each of the conditions; none in a run file
 };
-
 string read_bytes(const string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -385,7 +367,6 @@ string sha256(const string& bytes) {
   for (int k = 0; k < 64; ++k) text += "0123456789abcdef"[digest[k / 2] >> (k % 2 == 0 ? 4 : 0) & 15];
   return text;
 }
-
 class File {
  public:
   explicit File(const string& path) {
@@ -453,11 +434,10 @@ Network read_network(const File& file, const string& group, string& hashed) {
       layer.weight.emplace_back(from, from + long(inputs));
     add_text(activation);
     for (const size_t size : {rows, inputs, layer.bias.size()}) add(size);
-    Numbers numbers = weight;
-    numbers.insert(numbers.end(), layer.bias.begin(), layer.bias.end());
-    for (const double number : numbers) add(number);
-    growth *= std::accumulate(numbers.begin(), numbers.end(), 1.0,
-                              [](double sum, double x) { return sum + std::fabs(x); });
+    double sum = 1.0;
+    for (const Numbers* numbers : {&weight, &std::as_const(layer.bias)})
+      for (const double number : *numbers) add(number), sum += fabs(number);
+    growth *= sum;
     inputs = rows;
     network.layers.push_back(std::move(layer));
   }
@@ -477,12 +457,12 @@ Claim read_claim(const string& path) {
   const toml::table scope = toml::parse(claim.text);
   if (scope["weights"].value_or(string()) != sha256(hashed))
     fail("other weights than those that the problem's text names");
-  const toml::table &problem = section(scope, "problem"), &frame = section(scope, "frame");
+  const auto &problem = need<toml::table>(scope, "problem"), &frame = need<toml::table>(scope, "frame");
   claim.workspace = {list(problem, "workspace_lower"), list(problem, "workspace_upper")};
   claim.inner = {list(problem, "contained_lower"), list(problem, "contained_upper")};
   claim.level_band = scalar(problem, "level_band");
-  claim.initial = read_region(section(problem, "initial"));
-  claim.unsafe = read_region(section(problem, "unsafe"));
+  claim.initial = read_region(need<toml::table>(problem, "initial"));
+  claim.unsafe = read_region(need<toml::table>(problem, "unsafe"));
   const size_t n = claim.workspace.lower.size();
   for (size_t d = 0; d < n; ++d) {
     const double low = claim.workspace.lower[d], high = claim.workspace.upper.at(d);
@@ -508,46 +488,40 @@ Claim read_claim(const string& path) {
 // doubles or floats in memory's form (ONNX, TorchScript, pt2) or as numbers in a text (C++ header; floats end with F).
 bool carries_weights(const string& policy, const Claim& claim) {
   std::fesetround(FE_TONEAREST);  // as whoever rounded them to float
-  const string file = read_bytes(policy);
-  const auto image = [](const auto& of) {
-    return string(reinterpret_cast<const char*>(of.data()), of.size() * sizeof(of[0]));
+  const auto image = [](const Numbers& of, bool single) {
+    const std::vector<float> rounded(of.begin(), of.end());
+    const void* from = single ? static_cast<const void*>(rounded.data()) : of.data();
+    return string(static_cast<const char*>(from), of.size() * (single ? sizeof(float) : sizeof(double)));
   };
-  Numbers doubles;
-  std::vector<float> floats;
-  char* end = nullptr;
-  for (const char* from = file.c_str(); *from != '\0'; from = end > from ? end : from + 1) {
-    const double number = std::strtod(from, &end);
-    if (end > from && *end != 'F') doubles.push_back(number);
-    if (end > from && *end == 'F') floats.push_back(std::strtof(from, &end));
+  string bytes = read_bytes(policy);
+  if (bytes.find('\0') == bytes.npos) {
+    string found[2];  // doubles, floats
+    char* end = nullptr;
+    for (const char* from = bytes.c_str(); *from != '\0'; from = end > from ? end : from + 1) {
+      const double number = std::strtod(from, &end);
+      if (end > from) found[*end == 'F'] += image({number}, *end == 'F');
+    }
+    bytes = found[0] + found[1];
   }
-  const bool is_text = file.find('\0') == file.npos;
-  const string bytes = is_text ? image(doubles) + image(floats) : file;
   const auto holds = [&](const std::vector<Numbers>& lines, bool single) {
     size_t from = 0;
-    for (auto line = lines.begin(); line != lines.end() && from != bytes.npos; ++line)
-      from = bytes.find(single ? image(std::vector<float>(line->begin(), line->end())) : image(*line), from);
+    for (const Numbers& line : lines) from = bytes.find(image(line, single), from);
     return from != bytes.npos;
   };
-  bool all = true;
-  for (const Network* network : {&claim.f, &claim.V, &claim.B}) {
-    bool found[] = {true, true};
-    for (const Layer& layer : network->layers) {
+  const auto holds_network = [&](const Network& network, bool single) {
+    for (const Layer& layer : network.layers) {
       std::vector<Numbers> columns(layer.weight.front().size());
       for (const Numbers& line : layer.weight)
         for (size_t k = 0; k < line.size(); ++k) columns[k].push_back(line[k]);
-      for (const bool single : {false, true})
-        found[single] = found[single] && holds({layer.bias}, single) &&
-                        (holds(layer.weight, single) || holds(columns, single));
+      if (!holds({layer.bias}, single) || !(holds(layer.weight, single) || holds(columns, single)))
+        return false;
     }
-    all = all && (found[0] || found[1]);
-  }
-  return all;
+    return true;
+  };
+  for (const Network* network : {&claim.f, &claim.V, &claim.B})
+    if (!holds_network(*network, false) && !holds_network(*network, true)) return false;
+  return true;
 }
-// ---- The proof
-struct Condition {
-  std::function<bool(const Box&)> asks;        // whether it asks anything of the box
-  std::function<double(const Box&)> residual;  // what must be negative there, from above
-};
 // Two boxes that share a face, so that no point is lost: halves along the widest side (the first of several), of `width`.
 std::array<Box, 2> halves(const Box& box, double& width) {
   size_t axis = 0;
@@ -580,60 +554,37 @@ std::vector<Box> starting_boxes(const Claim& claim, size_t condition) {
   for (Box box; !open.empty();) {
     box = std::move(open.back());
     open.pop_back();
-    if (next()) {
-      const std::array<Box, 2> parts = halves(box, width);
+    const std::array<Box, 2> parts = halves(box, width);
+    if (next())
       open.insert(open.end(), {parts[1], parts[0]});
-    } else {
-      next();
-      ends.push_back(std::move(box));
-    }
+    else
+      next(), ends.push_back(std::move(box));
   }
   round_up();
   while (bit % 8 != 0 || bit < 8 * bytes.size())
     if (bit % 8 == 0 || next()) fail("bits behind the end of a cover");
   return ends;
 }
-// Shows the condition on boxes that cover those of `start`, by two threads, and counts them. Returns a box that stays open.
-Box cover(std::vector<Box> start, const Condition& condition, std::atomic<long>& boxes) {
-  constexpr double least_width = 1e-9;
-  for (double width = 0.0; start.size() < 2048;) {
-    for (const Box& box : std::exchange(start, {}))
-      for (const Box& part : halves(box, width)) start.push_back(part);
+// Shows a condition on boxes that cover those of `open`, and counts them. Returns a box that stays open.
+Box cover(std::vector<Box> open, const std::function<bool(const Box&)>& is_shown, long& boxes) {
+  for (double width = 1.0; !open.empty(); ++boxes) {
+    const Box box = std::move(open.back());
+    open.pop_back();
+    if (is_shown(box)) continue;
+    for (const Box& part : halves(box, width)) open.push_back(part);
+    if (width < 1e-9) return box;
   }
-  std::atomic<size_t> next = 0;
-  std::atomic<bool> open = false;
-  Box left;
-  const auto work = [&] {
-    round_up();
-    for (size_t mine = next++; mine < start.size() && !open; mine = next++) {
-      for (std::vector<Box> stack = {start[mine]}; !stack.empty() && !open;) {
-        const Box box = std::move(stack.back());
-        stack.pop_back();
-        ++boxes;
-        if (!condition.asks(box)) continue;
-        const double residual = condition.residual(box);
-        if (residual < 0.0 && residual > -1e100) continue;  // nor NaN, nor what may have overflowed
-        double width = 0.0;
-        for (const Box& part : halves(box, width)) stack.push_back(part);
-        if (width < least_width && !open.exchange(true)) left = box;
-      }
-    }
-  };
-  std::thread other(work);
-  work();
-  other.join();
-  return left;
+  return {};
 }
 // For |x|_inf <= half, f(x) = A x and N(x) - N(0) = P x with A, P in the Jacobians' enclosures, so that Vdot = x' M x with
 // M = 2 (P' P + quadratic I) A. Negative definite if every pivot of -(M + M') is positive.
-bool decreases_around_goal(const Network& f, const Network& V, double half, const Tanh& tanh) {
+bool decreases_around_goal(const Network& f, const Network& V, double half) {
   const size_t n = f.inputs();
   const Box cube{Numbers(n, -half), Numbers(n, half)};
-  using Matrix = std::vector<Intervals>;
   const auto jacobian = [&](const Network& of) {
-    Matrix j(of.outputs(), Intervals(n));
+    std::vector<Intervals> j(of.outputs(), Intervals(n));
     for (size_t k = 0; k < n; ++k) {
-      Tape tape(cube, tanh);
+      Tape tape(cube);
       const size_t direction = tape.size();
       for (size_t d = 0; d < n; ++d) tape.given(at(d == k ? 1.0 : 0.0));
       const size_t rate = apply(of, tape, direction).second;
@@ -644,8 +595,8 @@ bool decreases_around_goal(const Network& f, const Network& V, double half, cons
   const auto add_product = [n](const Interval& a, const Intervals& b, Intervals& sum) {
     for (size_t k = 0; k < n; ++k) sum[k] = sum[k] + a * b[k];
   };
-  const Matrix A = jacobian(f), P = jacobian(V);
-  Matrix G(n, Intervals(n)), M = G, S = G;
+  const std::vector<Intervals> A = jacobian(f), P = jacobian(V);
+  std::vector<Intervals> G(n, Intervals(n)), M = G, S = G;
   for (size_t i = 0; i < n; ++i) {
     G[i][i] = at(V.quadratic);
     for (const Intervals& row : P) add_product(row[i], row, G[i]);
@@ -659,21 +610,19 @@ bool decreases_around_goal(const Network& f, const Network& V, double half, cons
   }
   return true;
 }
-
-bool meets(const Claim& claim, const Region& region, const Box& box) {
+// Whether the region has no point in the box.
+bool misses(const Claim& claim, const Region& region, const Box& box) {
   Intervals x;
   for (size_t d = 0; d < box.lower.size(); ++d) {
     x.push_back(at(claim.goal[d]));
     add_multiple(claim.scale, {box.upper[d], -box.lower[d]}, x[d]);
   }
-  return !(-region(x).minus_lower > 0.0);
+  return -region(x).minus_lower > 0.0;
 }
-
 bool run(const string& path, const std::vector<string>& policies) {
   round_up();
   Claim claim = read_claim(path);
-  const Tanh tanh;
-  for (Network* network : {&claim.f, &claim.V, &claim.B}) find_offset(*network, tanh);
+  for (Network* network : {&claim.f, &claim.V, &claim.B}) find_offset(*network);
   const Network &f = claim.f, &V = claim.V, &B = claim.B;
   bool all = std::printf("%s\n%s\n", path.c_str(), claim.text.c_str()) > 0;
   const auto say = [&](const string& what, bool holds, long boxes = 0) {
@@ -681,47 +630,49 @@ bool run(const string& path, const std::vector<string>& policies) {
     std::printf(boxes > 0 ? ", %ld boxes\n" : "\n", boxes);
     all = all && holds;
   };
-  meets(claim, claim.initial, claim.workspace);  // throws, on this thread, where a set has other dimensions
-  meets(claim, claim.unsafe, claim.workspace);
   say("f(0) = 0, by its form", f.head == "zero_at_origin" && B.head == "plain");
   say("V(0) = 0 and V > 0 elsewhere, by its form", V.head == "squared_norm" && V.quadratic > 0.0);
   if (!all) return false;
   double cube = 0.08;  // Vdot < 0 for 0 < |x|_inf <= cube
-  while (cube > 0.0 && !decreases_around_goal(f, V, cube, tanh)) cube = cube > 1e-7 ? 0.5 * cube : 0.0;
+  while (cube > 0.0 && !decreases_around_goal(f, V, cube)) cube = cube > 1e-7 ? 0.5 * cube : 0.0;
   const auto within = [](const Box& box, const Box& outer) {  // its interior
     for (size_t d = 0; d < box.lower.size(); ++d)
       if (!(box.upper[d] < outer.upper[d] && box.lower[d] > outer.lower[d])) return false;
     return true;
   };
-  const Numbers origin(f.inputs()), corner(f.inputs(), cube), least(f.inputs(), -cube);
-  const auto rate = [&](const Network& of, const Box& box) { return rate_range(of, f, box, tanh).upper; };
-  const auto positive = [&](const Box& box) { return value_range(B, box, tanh).minus_lower; };
-  const auto negative = [&](const Box& box) { return value_range(B, box, tanh).upper; };
-  const auto in_band = [&](const Box& box) {
-    const Interval value = value_range(B, box, tanh);
-    return !(-value.minus_lower > claim.level_band || -value.upper > claim.level_band);
-  };
-  const Condition wanted[] = {{[&](const Box& box) {
-                                 return !within(box, {least, corner});
-                               },
-                               [&](const Box& box) { return rate(V, box); }},
-                              {[&](const Box& box) { return meets(claim, claim.initial, box); }, negative},
-                              {[&](const Box& box) { return meets(claim, claim.unsafe, box); }, positive},
-                              {[&](const Box& box) { return !within(box, claim.inner); }, positive},
-                              {in_band, [&](const Box& box) { return rate(B, box); }}};
-  for (size_t k = 0; k < std::size(wanted); ++k) {
-    std::atomic<long> boxes = 0;
-    const Box open = cover(starting_boxes(claim, k), wanted[k], boxes);
-    say(conditions[k][1], open.lower.empty(), boxes);
-    for (const double x : open.lower) std::printf("  open at %.9g\n", x);
+  const Numbers origin(f.inputs());
+  const Box around{Numbers(f.inputs(), -cube), Numbers(f.inputs(), cube)};
+  const auto level = [&](const Box& box) { return value_range(B, box); };
+  const auto rate = [&](const Network& of, const Box& box) { return rate_range(of, f, box).upper; };
+  const double band = claim.level_band;
+  const auto beyond_band = [&](Interval b) { return -b.minus_lower > band || -b.upper > band; };
+  const auto negative = [](double x) {
+    return x < 0.0 && x > -1e100;
+  };  // nor NaN, nor what may have overflowed
+  const std::function<bool(const Box&)> is_shown[] = {
+      [&](const Box& box) { return within(box, around) || negative(rate(V, box)); },
+      [&](const Box& box) { return misses(claim, claim.initial, box) || negative(level(box).upper); },
+      [&](const Box& box) { return misses(claim, claim.unsafe, box) || negative(level(box).minus_lower); },
+      [&](const Box& box) { return within(box, claim.inner) || negative(level(box).minus_lower); },
+      [&](const Box& box) { return beyond_band(level(box)) || negative(rate(B, box)); }};
+  std::array<long, std::size(conditions)> boxes{};
+  std::array<std::future<Box>, std::size(conditions)> open;
+  for (size_t k = 0; k < open.size(); ++k)
+    open[k] = std::async(std::launch::async, [&, k] {
+      return round_up(), cover(starting_boxes(claim, k), is_shown[k], boxes[k]);
+    });
+  for (size_t k = 0; k < open.size(); ++k) {
+    const Box left = open[k].get();
+    say(conditions[k][1], left.lower.empty(), boxes[k]);
+    for (const double x : left.lower) std::printf("  open at %.9g\n", x);
   }
-  say("B(0) <= 0", negative({origin, origin}) <= 0.0);
+  say("B(0) <= 0", level({origin, origin}).upper <= 0.0);
   bool inside = true;  // the initial set has no point beyond any face of the workspace
   for (size_t d = 0; d < origin.size(); ++d) {
     Box above{Numbers(origin.size(), -1e300), Numbers(origin.size(), 1e300)}, below = above;
     above.lower[d] = std::nextafter(claim.workspace.upper[d], INFINITY);
     below.upper[d] = std::nextafter(claim.workspace.lower[d], -INFINITY);
-    inside = inside && !meets(claim, claim.initial, above) && !meets(claim, claim.initial, below);
+    inside = inside && misses(claim, claim.initial, above) && misses(claim, claim.initial, below);
   }
   say("the initial set lies in the workspace", inside);
   if (all)

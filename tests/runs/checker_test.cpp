@@ -65,9 +65,9 @@ class Checker : public testing::Test {
   }
 
   // Small falsifications of a certified run: what the prover accepts, the checker shows as well.
-  void mutate(int count) const {
-    int accepted = 0, rejected = 0;
-    RandomStream random(11, "mutations");
+  void mutate(int count, std::uint64_t seed) const {
+    int accepted = 0, rejected = 0, neither = 0;
+    RandomStream random(seed, "mutations");
     for (int k = 0; k < count; ++k) {
       Networks networks = simple_networks();
       double radius = 0.2, center = 1.05, band = 0.01;
@@ -89,15 +89,15 @@ class Checker : public testing::Test {
         continue;
       }
       const bool invariant = record.certificate.guarantee == Guarantee::invariant;
-      (invariant ? accepted : rejected) += 1;
-      if (invariant) {
-        ASSERT_EQ(exit_code(record), 0) << "mutation " << k << " of kind " << kind << " by " << change;
-      }
+      const bool shown = invariant && exit_code(record) == 0;
+      (!invariant ? rejected : shown ? accepted : neither) += 1;
+      EXPECT_EQ(shown, invariant) << "mutation " << k << " of kind " << kind << " by " << change;
     }
-    fmt::print("{} mutations: {} still true by the prover and by the checker, {} rejected by the prover\n",
-               count, accepted, rejected);
-    EXPECT_GT(accepted, count / 20);
-    EXPECT_GT(rejected, count / 20);
+    fmt::print(
+        "{} mutations of seed {}: {} still true by the checker, {} rejected by the prover, {} neither\n",
+        count, seed, accepted, rejected, neither);
+    EXPECT_GT(accepted, count / 50);
+    EXPECT_GT(rejected, count / 50);
   }
 
   std::filesystem::path folder_;
@@ -172,8 +172,13 @@ TEST_F(Checker, RefusesWhatItCannotReadWithOneCode) {
   EXPECT_EQ(exit_code(record), 2);
 }
 
-TEST_F(Checker, AgreesOnSomeMutations) { mutate(60); }
-TEST_F(Checker, DISABLED_AgreesOnTenThousandMutations) { mutate(10000); }
+TEST_F(Checker, AgreesOnSomeMutations) { mutate(60, 11); }
+TEST_F(Checker, DISABLED_AgreesOnManyMutations) {
+  const char* count = std::getenv("S2NNDS_MUTATIONS");
+  const char* seed = std::getenv("S2NNDS_MUTATIONS_SEED");
+  mutate(count == nullptr ? 10000 : std::atoi(count),
+         seed == nullptr ? 11 : std::strtoull(seed, nullptr, 10));
+}
 
 }  // namespace
 }  // namespace s2nnds
