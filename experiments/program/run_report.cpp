@@ -205,7 +205,10 @@ std::string condition_tables(const RunRecord& record) {
   std::string text;
   for (const Rows& rows : {sample_rows(Method::sampled, record.certificate),
                            sample_rows(Method::conformal, record.certificate), proof_rows(record)})
-    if (rows.size() > 1) text += aligned(rows) + "\n";
+    if (rows.size() > 1)
+      text += aligned(rows) +
+              (rows[0][0] == to_string(Method::conformal) ? paragraph(std::string(kAttemptsCounted)) : "") +
+              "\n";
   return text;
 }
 

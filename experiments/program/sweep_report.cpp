@@ -91,11 +91,14 @@ bool report_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepStat
   if (sweep.options.rungs() > 1) fmt::print("; rung {} of {}", state.rung + 1, sweep.options.rungs());
   fmt::print("\n");
   const std::vector<PointScore> ranking = rank_points(sweep, state.of_rung);
+  if (sweep.is_conformal)
+    fmt::print("conformal: beta is split over the sweep's {} trials, each is verified with its beta / {}\n",
+               sweep.trials(), sweep.trials());
   const bool ranked = sweep.options.crossed;  // else a point is as good as its problem is easy
   if (ranked) print_ranking(sweep, ranking);
   fmt::print("tables {} and table.csv\n", folder.file("table.h5"));
   if (json) {
-    const ordered_json summary = {
+    ordered_json summary = {
         {"name", sweep.options.name},
         {"ended", state.results.size()},
         {"failed", failed},
@@ -103,6 +106,7 @@ bool report_sweep(const Sweep& sweep, const SweepFolder& folder, const SweepStat
         {"rung", state.rung},
         {"best", ranked && !ranking.empty() ? best_json(sweep, ranking.front()) : ordered_json(nullptr)},
         {"table", folder.file("table.h5")}};
+    if (sweep.is_conformal) summary["beta_split_over"] = sweep.trials();
     fmt::print("{}\n", s2nnds::json_text(summary));
   }
   return !ranking.empty() && ranking.front().feasible;

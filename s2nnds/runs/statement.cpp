@@ -114,10 +114,10 @@ std::string details(const RunRecord& record) {
     case Guarantee::conformal: {
       const SampleFigures all = figures_of(Method::conformal, certificate);
       return fmt::format(
-          " The conditions are: {}. This was attempt {}, with {} fresh samples a region, seed {}. It is a "
+          " The conditions are: {}. This was attempt {}, with {} fresh samples a region, seed {}. {} It is a "
           "statement about random points, one at a time: a violation on a smaller set is not excluded, so it "
           "does not prove that every motion is safe.",
-          all_conditions_in_words(record), all.attempt, all.samples, record.seed);
+          all_conditions_in_words(record), all.attempt, all.samples, record.seed, kAttemptsCounted);
     }
     case Guarantee::proved:
     case Guarantee::invariant:

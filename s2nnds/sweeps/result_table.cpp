@@ -160,6 +160,7 @@ void write_tables(const Sweep& sweep, const SweepFolder& folder, const SweepStat
   file.write_attribute("/", "guarantee", options.guarantee);
   file.write_attribute("/", "dtw_limit", options.dtw_limit);
   file.write_attribute("/", "share", options.share);
+  if (sweep.is_conformal) file.write_attribute("/", "beta_split_over", sweep.trials());
   file.write_attribute("/", "axes", axes);
   file.write_attribute("/", "columns", names);
   file.commit();

@@ -64,13 +64,16 @@ std::vector<std::string> settings_of(const Axis& axis, const std::string& value)
   return settings;
 }
 
-// One axis at a time: trying all combinations would take as long as the sweep has trials.
-void check_settings(const Sweep& sweep, const std::string& path) {
+// One axis at a time: trying all combinations would take as long as the sweep has trials. Returns whether some of them
+// ends with conformal verification.
+bool check_settings(const Sweep& sweep, const std::string& path) {
+  bool is_conformal = false;
   for (const BaseConfig& base : sweep.configs) {
     std::vector<std::string> settings = sweep.options.set;
     if (sweep.options.rungs() > 1)
       settings.push_back(fmt::format("{}={}", sweep.options.halving.key, sweep.options.halving.budgets[0]));
     const Config config = try_settings(base, settings, path + ": " + base.path);
+    is_conformal |= config.verification.method == Method::conformal;
     check(sweep.options.objective != "mse_validation" || !config.data.validation.empty(),
           "{}: {}: objective mse_validation: expected demonstrations in data.validation, found none", path,
           base.path);
@@ -78,10 +81,13 @@ void check_settings(const Sweep& sweep, const std::string& path) {
       for (const std::string& value : axis.extremes()) {
         settings = sweep.options.set;
         for (const std::string& setting : settings_of(axis, value)) settings.push_back(setting);
-        try_settings(base, settings, fmt::format("{}:{}: axes: {} = {}", path, axis.line, axis.key, value));
+        const Config tried = try_settings(
+            base, settings, fmt::format("{}:{}: axes: {} = {}", path, axis.line, axis.key, value));
+        is_conformal |= tried.verification.method == Method::conformal;
       }
     }
   }
+  return is_conformal;
 }
 
 std::int64_t config_named(const Sweep& sweep, const std::string& name) {
@@ -92,12 +98,16 @@ std::int64_t config_named(const Sweep& sweep, const std::string& name) {
   return found - sweep.configs.begin();
 }
 
-void check_list(const Sweep& sweep, const std::string& path) {
+bool check_list(const Sweep& sweep, const std::string& path) {
+  bool is_conformal = false;
   check(sweep.axes.empty(), "{}: axes: expected none for the design list, found {}", path, sweep.axes.size());
   for (std::int64_t id = 0; id < sweep.trials_a_rung(); ++id) {
     const Trial trial = sweep.trial(id);
-    try_settings(sweep.configs[trial.config], sweep.settings(trial), fmt::format("{}: trial {}", path, id));
+    const Config tried = try_settings(sweep.configs[trial.config], sweep.settings(trial),
+                                      fmt::format("{}: trial {}", path, id));
+    is_conformal |= tried.verification.method == Method::conformal;
   }
+  return is_conformal;
 }
 
 }  // namespace
@@ -110,13 +120,14 @@ std::int64_t Sweep::trials_a_rung() const {
   return static_cast<std::int64_t>(points.size()) * trials_a_point();
 }
 
+std::int64_t Sweep::trials() const { return trials_a_rung() * options.rungs(); }
+
 std::int64_t Sweep::id_of(std::int64_t rung, std::int64_t point) const {
   return rung * trials_a_rung() + point * trials_a_point();
 }
 
 Trial Sweep::trial(std::int64_t id) const {
-  const std::int64_t all = trials_a_rung() * options.rungs();
-  check(id >= 0 && id < all, "trial: found {}, expected 0 to {}", id, all - 1);
+  check(id >= 0 && id < trials(), "trial: found {}, expected 0 to {}", id, trials() - 1);
   const auto seeds = static_cast<std::int64_t>(options.seeds.size());
   Trial trial;
   trial.id = id;
@@ -159,6 +170,12 @@ std::vector<std::string> Sweep::settings(const Trial& trial) const {
     all.push_back(fmt::format("{}={}", options.halving.key, options.halving.budgets[trial.rung]));
   }
   all.push_back(fmt::format("seed={}", trial.seed));
+  if (!is_conformal) return all;
+  const BaseConfig& base = configs[trial.config];
+  const VerificationOptions verification = parse_config(base.text, base.path, all).verification;
+  if (verification.method == Method::conformal)
+    all.push_back(fmt::format("verification.conformal.beta={}",
+                              verification.conformal.beta / static_cast<double>(trials())));
   return all;
 }
 
@@ -178,14 +195,15 @@ Sweep parse_sweep(const std::string& text, const std::string& path, const std::s
           "{}: configs: found two of the name {}; expected different names", path, sweep.configs.back().name);
   }
   check_keys(sweep, path);
-  check_settings(sweep, path);
+  bool is_conformal = check_settings(sweep, path);
   sweep.points = make_design(sweep.options, sweep.axes);
   if (!sweep.options.trials.empty()) {
-    check_list(sweep, path);
+    is_conformal |= check_list(sweep, path);
   } else if (!sweep.options.crossed) {
     sweep.pairs = pairs_in_turn(sweep.points.size(), sweep.configs.size() * sweep.options.seeds.size(),
                                 sweep.options.design_seed);
   }
+  sweep.is_conformal = is_conformal;
   return sweep;
 }
 

@@ -35,10 +35,14 @@ struct Sweep {
   std::vector<Axis> axes;           // in the file's order
   std::vector<BaseConfig> configs;  // in the file's order
   std::vector<DesignPoint> points;  // make_design of the options and axes
+  // Some trial ends with conformal verification. Each of those verifies with its beta / trials(), so that what is said
+  // of all of them, and of the one that is chosen, is wrong with a probability of at most beta.
+  bool is_conformal = false;
   std::vector<std::int64_t> pairs;  // of each point, config * seeds + seed; empty when crossed or listed
 
   std::int64_t trials_a_point() const;  // configurations times seeds; 1 if the sweep is not crossed
   std::int64_t trials_a_rung() const;   // if all points are in it
+  std::int64_t trials() const;          // of all rungs, if all points are in each
   Trial trial(std::int64_t id) const;   // throws Error when there is none of this number
   std::int64_t id_of(std::int64_t rung, std::int64_t point) const;  // of the point's first trial
 

@@ -41,11 +41,11 @@ std::string frozen_text(const Sweep& sweep) {
 }
 
 // Random and Sobol designs begin with the points of a smaller one, and without halving their trials have the
-// same numbers.
+// same numbers. Not if some are conformal: their beta was split over fewer.
 bool is_larger(const Sweep& sweep, const std::string& text, const std::string& there,
                const std::string& path) {
   const auto without_points = [&](const std::string& a) { return with_settings(a, path, {"points=0"}); };
-  return sweep.options.design != "grid" && sweep.options.rungs() == 1 &&
+  return sweep.options.design != "grid" && sweep.options.rungs() == 1 && !sweep.is_conformal &&
          without_points(there) == without_points(text) &&
          read_sweep_options(there, path).points <= sweep.options.points;
 }

@@ -263,6 +263,7 @@ class VerifyTest(ProgramTest):
         self.assertEqual(code, 0, out)
         second, verdicts_2 = self.certificate(run, "conformal")
         self.assertEqual((first["guarantee"], first["attempts"]), ("conformal", 1))
+        self.assertIn("a copy of the file begins anew", " ".join(out.split()))
         self.assertEqual((second["guarantee"], second["attempts"]), ("conformal", 2))
         sampled = [name for name, v in verdicts_1.items() if v["beta"] > 0]
         self.assertGreaterEqual(len(sampled), 4)

@@ -45,6 +45,33 @@ TEST(Sweep, AListHoldsItsTrialsAndNoOthers) {
                                       "training.steps=7", "seed=0"}));
 }
 
+TEST(Sweep, SplitsBetaOverItsConformalTrials) {
+  SweepOptions options = listed();
+  options.trials[0].set = {"verification.method=\"conformal\"", "verification.conformal.beta=0.01"};
+  options.trials[1].set = {"verification.method=\"proof\""};
+  Sweep sweep = parse_sweep(to_toml(options), "made.toml", kConfigs);
+  EXPECT_TRUE(sweep.is_conformal);
+  EXPECT_EQ(sweep.settings(sweep.trial(0)).back(), "verification.conformal.beta=0.005");
+  EXPECT_EQ(sweep.settings(sweep.trial(1)).back(), "seed=0");  // a proof has no beta
+  options.trials[0].set[0] = "verification.method=\"sampled\"";
+  sweep = parse_sweep(to_toml(options), "made.toml", kConfigs);
+  EXPECT_FALSE(sweep.is_conformal);
+  EXPECT_EQ(sweep.settings(sweep.trial(0)).back(), "seed=4");
+  // All budgets count; a value of an axis suffices.
+  options = {};
+  options.configs = {"lasa/Sine.toml"};
+  options.seeds = {0, 1};
+  options.halving.budgets = {8, 16};
+  sweep = parse_sweep(to_toml(options) + "\n[axes]\n\"verification.method\" = [\"proof\", \"conformal\"]\n",
+                      "made.toml", kConfigs);
+  EXPECT_TRUE(sweep.is_conformal);
+  ASSERT_EQ(sweep.trials(), 8);
+  int split = 0;
+  for (std::int64_t id = 0; id < 8; ++id)
+    split += sweep.settings(sweep.trial(id)).back() == "verification.conformal.beta=1.25e-05" ? 1 : 0;
+  EXPECT_EQ(split, 4);
+}
+
 TEST(Sweep, ABadListIsRefused) {
   SweepOptions options = listed();
   options.trials[1].config = "Worm";
