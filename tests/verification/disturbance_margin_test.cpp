@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "s2nnds/core/parallel.h"
+#include "s2nnds/verification/network_function.h"
 #include "s2nnds/verification/polynomial_function.h"
 
 namespace s2nnds {
@@ -74,6 +76,30 @@ TEST(DisturbanceMargin, NothingIsCertifiedWhereTheBarrierFails) {
   const DisturbanceMargin found = disturbance_margin(functions, plain_problem());
   EXPECT_EQ(found.margin, 0.0);
   EXPECT_TRUE(std::isinf(found.convergence_radius));
+}
+
+// xdot = -x scaled down and up again: the same field, but what underflows in its first layer comes back 1e160 times.
+TEST(DisturbanceMargin, NothingIsCertifiedOfWeightsBeyondTheRangeWhenCalledAlone) {
+  const Points contraction = -Points::Identity(2, 2);
+  const auto functions = [&](double factor) {
+    ProofFunctions made = contracting(0.8);
+    made.f = std::make_shared<NetworkFunction>(NetworkWeights{
+        .layers = {{.weight = contraction / factor, .bias = {}, .activation = Activation::identity},
+                   {.weight = factor * Points::Identity(2, 2),
+                    .bias = {},
+                    .activation = Activation::identity}},
+        .head = Head::zero_at_origin});
+    return made;
+  };
+  const SafetyProblem problem = plain_problem();
+  ASSERT_EQ(functions(1.0).beyond_range(problem.workspace), "");
+  EXPECT_GT(disturbance_margin(functions(1.0), problem).margin, 0.7);
+  EXPECT_TRUE(prove_under_disturbance(functions(1.0), problem, 0.1, 10).proved);
+  EXPECT_LT(convergence_radius(functions(1.0), problem, 0.1), 1.25);
+  ASSERT_NE(functions(1e160).beyond_range(problem.workspace), "");
+  EXPECT_EQ(disturbance_margin(functions(1e160), problem).margin, 0.0);
+  EXPECT_FALSE(prove_under_disturbance(functions(1e160), problem, 0.1, 10).proved);
+  EXPECT_EQ(convergence_radius(functions(1e160), problem, 0.1), std::numeric_limits<double>::infinity());
 }
 
 TEST(DisturbanceMargin, DoesNotDependOnTheNumberOfThreads) {
