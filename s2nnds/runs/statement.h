@@ -17,10 +17,10 @@ std::string guarantee_statement(const RunRecord& record);
 
 // "certified from 0.3 to 1.8 times the demonstrated speed (up to 210 mm/s)"; "" where no range was looked for.
 std::string certified_speeds_in_words(const RunRecord& record);
+
 // What a conformal figure is printed with: which attempts its beta is split over.
 inline constexpr std::string_view kAttemptsCounted =
     "Attempts are counted in this run file: a retraining, another seed or a copy of the file begins anew, "
-    "and beta is not "
-    "split over those.";
+    "and beta is not split over those.";
 
 }  // namespace s2nnds
