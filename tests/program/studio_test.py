@@ -307,7 +307,8 @@ class PageTest(StudioTest):
                 return
             time.sleep(0.1)
         said = page.execute_script("return [document.getElementById('progress')?.textContent, document.getElementById('message')?.textContent]")
-        self.fail(f"waited in vain for {condition}: {said}")
+        state = page.execute_script("return JSON.stringify([window.studio?.state?.job, window.studio?.state?.run_version, window.studio?.state?.drawing?.strokes?.length, studio.run && {final: studio.run.final, number: studio.run.number}, studio.sketch?.drawing?.strokes?.length, document.getElementById('guarantee')?.textContent])")
+        self.fail(f"waited in vain for {condition}: {said}, {state[:1500]}")
 
     def tool(self, page, name):
         page.find_element(By.CSS_SELECTOR, f'[data-tool="{name}"]').click()
