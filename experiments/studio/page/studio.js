@@ -243,6 +243,7 @@ $('flow').addEventListener('change', () => (portrait.showFlow = $('flow').checke
 
 // Recordings in several files become one drawing.
 async function take(files) {
+  await saveNow();  // what was drawn just now comes before what is dropped
   let drawing = null;
   for (const file of files) {
     const answer = await attempt(() => send(file));
