@@ -12,6 +12,9 @@ namespace s2nnds {
 namespace {
 
 constexpr Eigen::Index kPlaces = 200;  // of a path
+// Of the limit, at most, where demonstrations lie farther apart than it: two that go different ways, or start in
+// different places, would otherwise allow anything.
+constexpr double kMostOfLimit = 1.5;
 
 // Places of a demonstration, and which of them count.
 struct Shown {
@@ -57,12 +60,13 @@ std::vector<Shown> shown_paths(const std::vector<Demonstration>& demonstrations,
   return shown;
 }
 
-// `limit`, or the distance to the nearest other demonstration.
+// `limit`, or the distance to the nearest other demonstration, up to kMostOfLimit.
 double limit_of(const std::vector<Shown>& shown, std::size_t k, double limit) {
+  if (shown.size() == 1) return limit;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t other = 0; other < shown.size(); ++other)
     if (other != k) nearest = std::min(nearest, deviation(shown[other].place, shown[k]).mean);
-  return shown.size() > 1 ? std::max(limit, nearest) : limit;
+  return std::clamp(nearest, limit, kMostOfLimit * limit);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ struct Deviation {
 // One for each demonstration (normalised). Both paths are cut into 200 places evenly spaced along them and matched by
 // dynamic time warping, so that speed does not count. Places of a demonstration within `margin` of the unsafe set
 // do not count either: no safe motion follows it there. The limit is `limit`, or the mean distance to the nearest other
-// demonstration where that is more: f has one velocity at each place and cannot be nearer to each than they are to one another.
+// demonstration where that is more, but 1.5 `limit` at most: f has one velocity at each place and cannot be near to all.
 std::vector<Deviation> deviations(const StateFunction& f, const SafetyProblem& problem,
                                   const std::vector<Demonstration>& demonstrations, double limit,
                                   double margin, const RolloutOptions& options = {});

@@ -38,7 +38,7 @@ struct AdaptationHooks {
 };
 
 // From a run with networks to a certified run in a changed scene: `settings` ("problem.unsafe.center=[0.1, 0.2]") change
-// keys of its configuration below problem. and evaluation. Demonstrations, frame and seed stay those of the run. First the
+// keys of its configuration below problem. Demonstrations, frame and seed stay those of the run. First the
 // old networks are proved in the new scene; then B alone is trained, then all three, at most ten rounds; then from
 // scratch. `data_dir` has files that the settings name. The motion stays what it was as long as B alone trains.
 // Throws Error for settings of other keys, for scenes that make_problem refuses, and runs without a training split.

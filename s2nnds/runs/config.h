@@ -32,7 +32,7 @@ struct VerificationOptions {
 struct EvaluationOptions {
   RolloutOptions rollout;  // of the motions from the demonstrations' first points
   // Largest mean distance (normalised, > 0) of a motion from its demonstration, matched in order, with which it counts
-  // as following it; more where the demonstrations themselves lie farther apart (evaluation/fidelity.h).
+  // as following it; up to half as much again where the demonstrations themselves lie farther apart (fidelity.h).
   double fidelity = 0.1;
   // Cells a side of the grid on which the safe area is measured, 0 to 2000; 0: 200 in 2-D, 40 in 3-D. In more
   // dimensions the number of Sobol points in all; 0: 40,000.

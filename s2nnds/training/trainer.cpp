@@ -268,7 +268,8 @@ class Trainer::Impl {
 
   void search_anew(RoundSummary& row) {
     row.counts = {};
-    row.found_by_sampling = 0;
+    row.found_by_sampling = row.islands = row.equilibria = 0;
+    row.deviation = 0.0;
     search(row);
   }
 

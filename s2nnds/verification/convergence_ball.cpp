@@ -16,12 +16,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // Boxes this small, relative to the workspace, are given up: the ball is told to the size of a box.
 constexpr double ball_resolution = 0.004;
 
-void raise_to(std::atomic<double>& value, double candidate) {
-  double seen = value;
-  while (candidate > seen && !value.compare_exchange_weak(seen, candidate)) {
-  }
-}
-
 // grad V . (f + delta) < 0 in {B <= 0}; where that cannot be shown, `level` is raised to V.
 class DescentExaminer final : public TileExaminer {
  public:
@@ -41,7 +35,7 @@ class DescentExaminer final : public TileExaminer {
                   bool narrow) override {
     if (outside_(lane) || rate_(lane) < -1e-300 || value_(lane) <= level_) return BoxStatus::proved;
     if (!narrow) return BoxStatus::undecided;
-    raise_to(level_, std::isnan(value_(lane)) ? infinity : value_(lane));
+    raise_to(level_, value_(lane));
     return BoxStatus::abandoned;
   }
 

@@ -259,13 +259,6 @@ class ExecutionPerturbation final : public Perturbation {
   FieldEnclosure field_;
 };
 
-void raise_to(std::atomic<double>& value, double candidate) {
-  if (std::isnan(candidate)) candidate = infinity;
-  double seen = value;
-  while (candidate > seen && !value.compare_exchange_weak(seen, candidate)) {
-  }
-}
-
 // What a shield has to know of B around {B = 0}.
 struct LevelSetVariation {
   double distance = 0.0;  // of a reading from the place, at most

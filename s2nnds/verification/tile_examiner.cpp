@@ -2,6 +2,8 @@
 #include "s2nnds/verification/tile_examiner.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "s2nnds/verification/rounding.h"
 
@@ -14,6 +16,13 @@ TileRow gradient_norm(ScalarEnclosure& function, const BoxTile& tile) {
     sum += partial.upper(tile).max(-partial.lower(tile)).square();
   }
   return sum.sqrt() * slack;
+}
+
+void raise_to(std::atomic<double>& value, double candidate) {
+  if (std::isnan(candidate)) candidate = std::numeric_limits<double>::infinity();
+  double seen = value;
+  while (candidate > seen && !value.compare_exchange_weak(seen, candidate)) {
+  }
 }
 
 void TileExaminer::examine(BoxBatch& batch) {

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
+
 #include "s2nnds/verification/prover.h"
 
 namespace s2nnds {
 
 // Above |grad y|_2 on each box of the tile.
 TileRow gradient_norm(ScalarEnclosure& function, const BoxTile& tile);
+
+// Raises the value to the candidate where that is larger; NaN counts as infinite. For several threads.
+void raise_to(std::atomic<double>& value, double candidate);
 
 // Examines boxes tile by tile, with enclosures of B and V along f at hand.
 class TileExaminer : public BoxExaminer {
