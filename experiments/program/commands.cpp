@@ -106,15 +106,19 @@ std::string sibling(const std::string& run, const std::string& suffix) {
   return fs::path(run).replace_extension().string() + suffix;
 }
 
-// Refuses what no training can solve, and says what no motion x' = f(x) can do, before any time is spent on it.
+// Says what no motion x' = f(x) can follow. It comes before all that may be wrong with goal and sets.
+DemonstrationSet read_and_warn(const DataOptions& options, const std::string& data) {
+  DemonstrationSet as_read = read_demonstrations(options, data, print_reading);
+  for (const std::string& text : warnings_of(survey(as_read), as_read.unit)) spdlog::warn("{}", text);
+  return as_read;
+}
+
+// Refuses what no training can solve, and says what else no motion can do, before any time is spent on it.
 void look_before_training(const PreparedRun& setup, const std::string& source) {
   const std::vector<Demonstration> shown = setup.train();
   const std::vector<std::string> reasons = impossibilities(setup.problem, setup.data.frame, shown);
   check(reasons.empty(), "{}: {}", source, reasons.empty() ? "" : reasons.front());
   if (const auto text = sides_warning(setup.problem, setup.data.frame, shown)) spdlog::warn("{}", *text);
-  const Survey found =
-      survey({.name = setup.config.name, .unit = "", .demonstrations = setup.data.demonstrations});
-  for (const std::string& text : warnings_of(found, setup.data.frame.unit)) spdlog::warn("{}", text);
   if (const std::string text = dimension_warning(setup.config, setup.data.dimension); !text.empty())
     spdlog::warn("{}", text);
 }
@@ -133,7 +137,7 @@ TrainingStart start_from_config(const TrainArguments& arguments, const std::stri
   const Config config = parse_config(text, arguments.config, assignments);
   start.path = arguments.out.empty() ? fmt::format("{}-seed{}.h5", config.name, config.seed) : arguments.out;
   check_writable(start.path);
-  start.setup = prepare(config, data, print_reading);
+  start.setup = prepare(config, read_and_warn(config.data, data), RegionFiles(data));
   for (const std::string& line : start.setup.data.report) spdlog::info("data: {}", line);
   start.record = new_record(start.setup, with_settings(text, arguments.config, assignments));
   return start;

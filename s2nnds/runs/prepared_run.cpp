@@ -16,8 +16,7 @@ PreparedRun prepare(Config config, RunData data, RegionFiles files) {
   return setup;
 }
 
-PreparedRun prepare(const Config& config, const std::string& data_dir, const ReadingProgress& progress) {
-  DemonstrationSet as_read = read_demonstrations(config.data, data_dir, progress);
+PreparedRun prepare(const Config& config, DemonstrationSet as_read, RegionFiles files) {
   RunData data;
   data.dimension = as_read.dimension();
   data.frame = find_frame(as_read, config.data.normalization, config.data.goal);
@@ -25,7 +24,11 @@ PreparedRun prepare(const Config& config, const std::string& data_dir, const Rea
   data.split = split_demonstrations(as_read.demonstrations.size(), config.data.test, config.data.validation);
   data.demonstrations = std::move(as_read.demonstrations);
   data.report = std::move(as_read.report);
-  return prepare(config, std::move(data), RegionFiles(data_dir));
+  return prepare(config, std::move(data), std::move(files));
+}
+
+PreparedRun prepare(const Config& config, const std::string& data_dir, const ReadingProgress& progress) {
+  return prepare(config, read_demonstrations(config.data, data_dir, progress), RegionFiles(data_dir));
 }
 
 PreparedRun prepare(const RunRecord& record) {

@@ -28,6 +28,7 @@ struct PreparedRun {
 // for whatever is wrong with the data or the sets.
 PreparedRun prepare(const Config& config, const std::string& data_dir, const ReadingProgress& progress = {});
 // The same from demonstrations that were read already, with the files that the regions name.
+PreparedRun prepare(const Config& config, DemonstrationSet as_read, RegionFiles files);
 PreparedRun prepare(Config config, RunData data, RegionFiles files);
 // The same for a stored run, from its own configuration, demonstrations and files.
 PreparedRun prepare(const RunRecord& record);

@@ -59,6 +59,11 @@ class CasesTest(ProgramTest):
     def test_02_closed_loop(self):
         seen, _ = self.seen("02-closed-loop-does-not-move", "--set", "problem.unsafe={type='none'}")
         self.assertIn("ends where it starts", seen["problems"][0])
+        # As it is, its obstacle is wrong, too: what no training can do comes first.
+        code, _, err = self.train("02-closed-loop-does-not-move")
+        self.assertEqual(code, 2, err)
+        self.assertIn("ends where it starts", err.splitlines()[0])
+        self.assertIn("no points in the workspace", err.splitlines()[-1])
         _, err = self.trained_case("02-closed-loop-does-not-move", NO_OBSTACLE)
         self.assertIn("demonstration 0 ends where it starts (0 m apart): the start is the goal", err)
 

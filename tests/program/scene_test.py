@@ -80,6 +80,11 @@ class SceneTest(ProgramTest):
         self.record("circle", lambda s: [0.2 * np.cos(2 * np.pi * s), 0.2 * np.sin(2 * np.pi * s)])
         _, found = self.new("circle.csv")
         self.assertIn("ends where it starts", found["problems"][0])
+        # Training says so first, whatever else is wrong.
+        code, _, err = self.call("train", "my.toml", "--set", 'problem.unsafe={ type = "ball", center = [9.0, 0.0], radius = 0.1 }')
+        self.assertEqual(code, 2, err)
+        self.assertIn("ends where it starts", err.splitlines()[0])
+        self.assertIn("no points in the workspace", err.splitlines()[-1])
         self.record("loop", lambda s: [(3 * s - 1.5) ** 3 - (3 * s - 1.5) + 2 * s, 1 - (3 * s - 1.5) ** 2])
         _, found = self.new("loop.csv")
         self.assertIn("it crosses itself", " ".join(found["problems"]))
