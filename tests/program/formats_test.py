@@ -26,7 +26,14 @@ DRIVER = """
 #include "{folder}/policy_{precision}.h"
 #include <cstdio>
 namespace policy = policy_policy_{precision};
-int main() {{
+int main(int count, char**) {{
+  if (count > 1) {{
+    std::printf("%s\\n%s\\n%s\\n%.17g %.17g", policy::unit, policy::frame_name, policy::unsafe_set, policy::position_scale,
+                policy::velocity_scale);
+    for (double value : policy::goal) std::printf(" %.17g", value);
+    for (double value : policy::workspace) std::printf(" %.17g", value);
+    return 0;
+  }}
   double x[policy::dimension], v[policy::dimension];
   for (;;) {{
     for (double& value : x) {{
@@ -38,6 +45,10 @@ int main() {{
   }}
 }}
 """
+
+
+# What every format says of the positions that it takes.
+ABOUT = ("unit", "frame_name", "unsafe_set", "goal", "workspace", "position_scale", "velocity_scale")
 
 
 class Missing(Exception):
@@ -52,6 +63,15 @@ class Header:
             file.write(DRIVER.format(folder=folder, precision=precision))
         flags = ("-std=c++17", "-O2", "-march=native")
         subprocess.run(["g++", *flags, self.driver + ".cpp", "-o", self.driver], check=True)
+
+    @property
+    def about(self):
+        done = subprocess.run([self.driver, "about"], capture_output=True, text=True, check=True)
+        unit, frame, unsafe, numbers = done.stdout.splitlines()
+        scale, speed, *rest = [float(word) for word in numbers.split()]
+        n = len(rest) // 3
+        return {"unit": unit, "frame_name": frame, "unsafe_set": unsafe, "position_scale": scale, "velocity_scale": speed,
+                "goal": rest[:n], "workspace": rest[n:]}  # fmt: skip
 
     def __call__(self, x):
         n = x.shape[1]
@@ -69,7 +89,10 @@ class Onnx:
             raise Missing(f"no ONNX runtime: {error}") from None
         path = export("onnx", "policy.onnx")
         self.session = onnxruntime.InferenceSession(path, providers=["CPUExecutionProvider"])
-        self.about = self.session.get_modelmeta().custom_metadata_map
+        self.about = dict(self.session.get_modelmeta().custom_metadata_map)
+        for name in ("goal", "workspace", "position_scale", "velocity_scale"):
+            numbers = [float(word) for word in self.about[name].split(",")]
+            self.about[name] = numbers[0] if name.endswith("scale") else numbers
 
     def __call__(self, x):
         return tuple(self.session.run(["velocity", "lyapunov", "barrier", "safe"], {"position": x}))
@@ -102,10 +125,27 @@ class TorchScript:
             warnings.simplefilter("ignore")  # that PyTorch deprecates it
             policy = torch.jit.load(export("torchscript", "policy.pt"))
         self.policy = policy.double() if dtype == "float64" else policy
+        self.about = {name: getattr(policy, name) for name in ABOUT}
 
     def __call__(self, x):
         p, t = self.policy, self.torch.as_tensor(x.astype(self.dtype))
         return tuple(values.numpy() for values in (p(t), p.lyapunov(t), p.barrier(t), p.safe(t)))
+
+
+class InPython:
+    """Run.policy(): what an export answers, without one."""
+
+    def __init__(self, run):
+        try:
+            import torch
+        except ImportError as error:
+            raise Missing(f"no torch: {error}") from None
+        self.torch, self.policy = torch, Run(run).policy()
+        self.about = {name: getattr(self.policy, name) for name in ABOUT}
+
+    def __call__(self, x):
+        p, t = self.policy, self.torch.as_tensor(x)
+        return tuple(values.detach().numpy() for values in (p(t), p.lyapunov(t), p.barrier(t), p.safe(t)))
 
 
 FORMATS = {
@@ -274,7 +314,31 @@ class FormatsTest(ProgramTest):
         for kind in (frame_test.MILLIMETRES, frame_test.METRES):
             name = f"far_{kind['unit']}"
             frame_test.write(self.folder, kind, name=name)
-            self.assert_formats_agree(f"2-D, far goal, {kind['unit']}", self.trained(config=self.path(name + ".toml")))
+            path = self.trained(config=self.path(name + ".toml"))
+            title = f"2-D, far goal, {kind['unit']}"
+            self.assert_formats_agree(title, path)
+            run, export = Run(path), self.exporter(path)
+            x = frame_test.place(kind, -0.5, 0.2) + np.zeros((1, 2))
+            for name, reader in (*FORMATS.items(), ("Python", lambda export, folder, path=path: InPython(path))):
+                with self.subTest(run=title, format=name):
+                    try:
+                        policy = reader(export, self.folder)
+                    except Missing as missing:
+                        self.skipTest(f"{name}: {missing}")
+                    self.assert_says_where_it_is(policy.about, kind, run)
+                    self.assertLess(max(self.compare(run, policy, x.astype(np.float32).astype(float))), TOLERANCE)
+
+    def assert_says_where_it_is(self, about, kind, run):
+        """Unit, frame, goal, workspace, scales and obstacle, as the user wrote them or would."""
+        self.assertEqual((about["unit"], about["frame_name"]), (kind["unit"], "base_link"))
+        ball = ", ".join(f"{c:g}" for c in frame_test.place(kind, -0.5, 0.8))
+        self.assertEqual(about["unsafe_set"], f"ball centre ({ball}) radius {0.1 * kind['size']:g}")
+        size = kind["size"]
+        np.testing.assert_allclose(about["goal"], kind["goal"], atol=1e-6 * size)
+        corners = frame_test.place(kind, -1.25, -1.25) + frame_test.place(kind, 1.25, 1.25)
+        np.testing.assert_allclose(about["workspace"], corners, atol=1e-6 * size)
+        np.testing.assert_allclose(about["position_scale"], size, rtol=1e-6)
+        self.assertEqual(about["velocity_scale"], run.data.velocity_scale)
 
     def test_onnx_takes_float64_alone(self):
         try:

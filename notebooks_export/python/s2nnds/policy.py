@@ -16,7 +16,8 @@ class Policy(torch.nn.Module):
 
     policy(x)                                             [N, n] -> [N, n]
     policy.safe(x), policy.barrier(x), policy.lyapunov(x) [N]
-    policy.guarantee, policy.weight_hash, policy.position_scale, policy.velocity_scale
+    policy.unit, .frame_name, .goal, .workspace           of the positions: as in every export, with the scales
+    policy.guarantee, .statement, .weight_hash, .position_scale, .velocity_scale
 
     Computes in double and answers in the precision of x. Its parameters are copies: training them further ends what the
     certificate says.
@@ -25,7 +26,11 @@ class Policy(torch.nn.Module):
     def __init__(self, run: Run) -> None:
         super().__init__()
         self.f, self.V, self.B = run.f.torch(), run.V.torch(), run.B.torch()
+        self.unit: str = run.data.unit
+        self.frame_name: str = run.data.frame_name
+        self.unsafe_set: str = run.problem.unsafe
         self.guarantee: str = run.guarantee
+        self.statement: str = run.certificate.get("statement", "")
         self.weight_hash: str = run.certificate.get("weight_hash", "")
         self.dimension: int = run.dimension
         self.position_scale: float = run.data.position_scale
@@ -34,6 +39,11 @@ class Policy(torch.nn.Module):
         self.register_buffer("goal", torch.tensor(run.data.goal))
         self.register_buffer("workspace_lower", torch.tensor(run.data.to_data(run.problem.workspace_lower)))
         self.register_buffer("workspace_upper", torch.tensor(run.data.to_data(run.problem.workspace_upper)))
+
+    @property
+    def workspace(self) -> list[float]:
+        """[2 n]: lower corner, upper corner."""
+        return self.workspace_lower.tolist() + self.workspace_upper.tolist()
 
     def _normalised(self, x: torch.Tensor) -> torch.Tensor:
         return (x.to(self.goal.dtype) - self.goal) / self.position_scale
