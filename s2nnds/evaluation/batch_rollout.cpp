@@ -14,6 +14,8 @@ constexpr double kFirstStep = 0.02;
 constexpr double kShortestStep = 1e-9;
 constexpr int kMostSteps = 2'000;     // a motion that takes more chatters, and would hold up all others
 constexpr Eigen::Index kChunk = 512;  // starts that advance together
+// Of a level, the share that may be used up before it is computed anew; the rest covers rounding.
+constexpr double kSureShare = 1.0 - 1e-9;
 
 // Many motions at once. Each has its own time and step; those that are decided leave the batch, so that the
 // rest stays packed for the network.
@@ -22,6 +24,7 @@ class BatchRollout {
   BatchRollout(const StateFunction& field, const SafetyProblem& problem, const Points& starts,
                const BatchRolloutOptions& options)
       : field_(field),
+        unsafe_(*problem.unsafe),
         events_(problem, options.goal_radius, true, true),
         options_(options),
         safe_(static_cast<std::size_t>(starts.rows()), false),
@@ -29,7 +32,8 @@ class BatchRollout {
         position_(starts),
         velocity_(field_.quick_value(starts)),
         time_(Vector::Zero(starts.rows())),
-        step_(Vector::Constant(starts.rows(), std::min(options.step, kFirstStep))) {
+        step_(Vector::Constant(starts.rows(), std::min(options.step, kFirstStep))),
+        clear_(Vector::Zero(starts.rows())) {
     std::iota(start_index_.begin(), start_index_.end(), std::size_t{0});
     std::vector<Outcome> outcomes(safe_.size(), Outcome::running);
     const std::vector<StopReason> reasons = events_.at(position_);
@@ -118,7 +122,7 @@ class BatchRollout {
 
   // The first event along each accepted step decides its motion.
   void look_along(const Trial& trial, const std::vector<Eigen::Index>& accepted,
-                  std::vector<Outcome>& outcomes) const {
+                  std::vector<Outcome>& outcomes) {
     std::vector<Eigen::Index> counts;
     for (const Eigen::Index i : accepted) counts.push_back(looks(trial, i));
     Points seen(std::accumulate(counts.begin(), counts.end(), Eigen::Index{0}), position_.cols());
@@ -129,7 +133,7 @@ class BatchRollout {
         place_between(trial, accepted[a], fraction, seen.row(row++));
       }
     }
-    const std::vector<StopReason> reasons = events_.at(seen);
+    const std::vector<StopReason> reasons = events_.at(seen, in_unsafe(trial, accepted, counts, seen));
     std::size_t at = 0;
     for (std::size_t a = 0; a < accepted.size(); ++a) {
       Outcome& outcome = outcomes[static_cast<std::size_t>(accepted[a])];
@@ -137,6 +141,50 @@ class BatchRollout {
         if (outcome == Outcome::running) outcome = outcome_of(reasons[at]);
       }
     }
+  }
+
+  // Which of the places seen along the accepted steps, `counts` of each, lie in the unsafe set. A level that is
+  // 1-Lipschitz is computed only where the motion may have come as far as it was at the last one, first at the ends of
+  // these steps, then at the places that neither end of the step answers for.
+  std::vector<bool> in_unsafe(const Trial& trial, const std::vector<Eigen::Index>& accepted,
+                              const std::vector<Eigen::Index>& counts, const Points& seen) {
+    const auto distance = [&](Eigen::Index row, const Points& from, Eigen::Index i) {
+      return (seen.row(row) - from.row(i)).norm();
+    };
+    std::vector<Eigen::Index> motions, first, ends;  // of steps that may meet the set; rows of `seen`
+    Eigen::Index row = 0;
+    for (std::size_t a = 0; a < accepted.size(); row += counts[a++]) {
+      const Eigen::Index i = accepted[a];
+      double farthest = 0.0;
+      for (Eigen::Index j = row; j < row + counts[a]; ++j)
+        farthest = std::max(farthest, distance(j, position_, i));
+      if (farthest < clear_[i]) {
+        clear_[i] -= distance(row + counts[a] - 1, position_, i);
+        continue;
+      }
+      motions.push_back(i);
+      first.push_back(row);
+      ends.push_back(row + counts[a] - 1);
+    }
+    std::vector<bool> unsafe(static_cast<std::size_t>(seen.rows()), false);
+    const double share = unsafe_.is_lipschitz() ? kSureShare : 0.0;
+    std::vector<Eigen::Index> between;
+    const Vector at_end = ends.empty() ? Vector() : unsafe_.level(seen(ends, Eigen::all));
+    for (std::size_t k = 0; k < ends.size(); ++k) {
+      const Eigen::Index i = motions[k];
+      const double level = at_end[static_cast<Eigen::Index>(k)];
+      unsafe[static_cast<std::size_t>(ends[k])] = level <= 0.0;
+      for (Eigen::Index j = first[k]; j < ends[k]; ++j) {
+        if (distance(j, position_, i) < clear_[i] || distance(j, trial.position, i) < share * level) continue;
+        between.push_back(j);
+      }
+      clear_[i] = share * level;
+    }
+    if (between.empty()) return unsafe;
+    const Vector level = unsafe_.level(seen(between, Eigen::all));
+    for (std::size_t k = 0; k < between.size(); ++k)
+      unsafe[static_cast<std::size_t>(between[k])] = level[static_cast<Eigen::Index>(k)] <= 0.0;
+    return unsafe;
   }
 
   // Writes down what is decided and keeps what still runs.
@@ -155,6 +203,7 @@ class BatchRollout {
       velocity_.row(row) = velocity_.row(from);
       time_[row] = time_[from];
       step_[row] = step_[from];
+      clear_[row] = clear_[from];
     }
     const auto left = static_cast<Eigen::Index>(running.size());
     start_index_.resize(running.size());
@@ -162,9 +211,11 @@ class BatchRollout {
     velocity_.conservativeResize(left, Eigen::NoChange);
     time_.conservativeResize(left);
     step_.conservativeResize(left);
+    clear_.conservativeResize(left);
   }
 
   const StateFunction& field_;
+  const Region& unsafe_;
   RolloutEvents events_;
   BatchRolloutOptions options_;
   std::vector<bool> safe_;                // [starts]
@@ -173,6 +224,7 @@ class BatchRollout {
   Points velocity_;  // f(position)
   Vector time_;
   Vector step_;
+  Vector clear_;  // the unsafe set is farther away than this
 };
 
 }  // namespace

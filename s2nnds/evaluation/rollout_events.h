@@ -21,6 +21,8 @@ class RolloutEvents {
   // What happens at each of N finite points [N, n]; time_out stands for nothing. A point in several sets is
   // judged by the worst: unsafe, then outside, then the goal.
   std::vector<StopReason> at(const Points& x) const;
+  // The same where it is known already which of the points lie in the unsafe set.
+  std::vector<StopReason> at(const Points& x, const std::vector<bool>& unsafe) const;
   // What happens at one finite point [n].
   StopReason at_point(const Eigen::RowVectorXd& x) const { return at(Points(x)).front(); }
 

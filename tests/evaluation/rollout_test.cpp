@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -250,6 +251,44 @@ TEST(RolloutIsSafe, KnownVerdicts) {
   EXPECT_EQ(rollout_is_safe(linear(Points::Identity(2, 2)), problem, Points{{-0.3, 0.0}}),
             std::vector<bool>{false});
   EXPECT_TRUE(rollout_is_safe(circle(), problem, Points(0, 2)).empty());
+}
+
+// Another region's level, which may keep to itself that it is 1-Lipschitz; counts the points that were asked for.
+class Counted final : public Region {
+ public:
+  Counted(RegionPtr region, bool says_it) : region_(std::move(region)), says_it_(says_it) {}
+  Eigen::Index dimension() const override { return region_->dimension(); }
+  bool is_lipschitz() const override { return says_it_ && region_->is_lipschitz(); }
+  std::string describe() const override { return region_->describe(); }
+  Eigen::Index count() const { return count_; }
+
+ protected:
+  void evaluate(const Points& x, Vector& level) const override {
+    count_ += x.rows();
+    level = region_->level(x);
+  }
+  Interval enclose(const Box& box) const override { return region_->enclosure(box); }
+
+ private:
+  RegionPtr region_;
+  bool says_it_;
+  mutable std::atomic<Eigen::Index> count_ = 0;
+};
+
+TEST(RolloutIsSafe, ComputesFewLevelsThatAreDistances) {
+  const NetworkWeights f = nonlinear_field();
+  RandomStream random(13, "test");
+  Points starts(600, 2);
+  for (double& value : starts.reshaped()) value = random.uniform(-1.25, 1.25);
+  SafetyProblem problem = crowded_problem(0.0);
+  ASSERT_TRUE(problem.unsafe->is_lipschitz());
+  const auto every = std::make_shared<Counted>(problem.unsafe, false);
+  const auto few = std::make_shared<Counted>(problem.unsafe, true);
+  problem.unsafe = every;
+  const std::vector<bool> expected = rollout_is_safe(f, problem, starts);
+  problem.unsafe = few;
+  EXPECT_EQ(rollout_is_safe(f, problem, starts), expected);
+  EXPECT_LT(5 * few->count(), every->count());
 }
 
 TEST(RolloutIsSafe, AMotionWithoutValueIsUnsafe) {
