@@ -106,9 +106,11 @@ std::string sibling(const std::string& run, const std::string& suffix) {
   return fs::path(run).replace_extension().string() + suffix;
 }
 
-// Says what no motion x' = f(x) can follow. It comes before all that may be wrong with goal and sets.
-DemonstrationSet read_and_warn(const DataOptions& options, const std::string& data) {
+// Says what was read, and what of it no motion x' = f(x) can follow, before anything that may be wrong with goal and
+// sets: it may be why.
+DemonstrationSet read_and_report(const DataOptions& options, const std::string& data) {
   DemonstrationSet as_read = read_demonstrations(options, data, print_reading);
+  for (const std::string& line : as_read.report) spdlog::info("data: {}", line);
   for (const std::string& text : warnings_of(survey(as_read), as_read.unit)) spdlog::warn("{}", text);
   return as_read;
 }
@@ -137,8 +139,7 @@ TrainingStart start_from_config(const TrainArguments& arguments, const std::stri
   const Config config = parse_config(text, arguments.config, assignments);
   start.path = arguments.out.empty() ? fmt::format("{}-seed{}.h5", config.name, config.seed) : arguments.out;
   check_writable(start.path);
-  start.setup = prepare(config, read_and_warn(config.data, data), RegionFiles(data));
-  for (const std::string& line : start.setup.data.report) spdlog::info("data: {}", line);
+  start.setup = prepare(config, read_and_report(config.data, data), RegionFiles(data));
   start.record = new_record(start.setup, with_settings(text, arguments.config, assignments));
   return start;
 }

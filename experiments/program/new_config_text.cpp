@@ -27,6 +27,27 @@ std::string point(const Vector& place, double extent) {
   return fmt::format("[{:.6g}]", fmt::join(rounded, ", "));
 }
 
+// Where training sees a demonstration: moved, where each is.
+Points as_trained(const Scene& scene, std::size_t k) {
+  Points position = scene.data.demonstrations[k].position;
+  if (scene.frame) {
+    position.rowwise() +=
+        scene.frame->goal.transpose() - scene.frame->goals.row(static_cast<Eigen::Index>(k));
+  }
+  return position;
+}
+
+// The box around all of them.
+Box box_of(const Scene& scene) {
+  Box box{scene.survey.upper, scene.survey.lower};
+  for (std::size_t k = 0; k < scene.data.demonstrations.size(); ++k) {
+    const Points position = as_trained(scene, k);
+    box.lower = box.lower.cwiseMin(position.colwise().minCoeff().transpose());
+    box.upper = box.upper.cwiseMax(position.colwise().maxCoeff().transpose());
+  }
+  return box;
+}
+
 std::string data_section(const Scene& scene, bool unit_is_guessed, const std::string& data_flag) {
   const DataOptions& data = scene.config.data;
   std::string text = "[data]\n" + line(setting("source", toml_text(data.source)));
@@ -74,7 +95,8 @@ std::string data_section(const Scene& scene, bool unit_is_guessed, const std::st
 std::string problem_section(const Scene& scene) {
   const Survey& s = scene.survey;
   const std::string& unit = scene.data.unit;
-  const Vector middle = 0.5 * (s.lower + s.upper);
+  const Box box = box_of(scene);
+  const Vector middle = box.center();
   const double tenth = 0.1 * s.extent;
   const std::string aside = point((middle.array() + 0.3 * s.extent).matrix(), s.extent);
   std::string text = "[problem]\n";
@@ -92,14 +114,13 @@ std::string problem_section(const Scene& scene) {
   text += line("unsafe = { type = \"none\" }");
   text += line("# Starts: the box around the demonstrations' starts, a little larger. Or name it:");
   text += line(fmt::format("# initial = {{ type = \"ball\", center = {}, radius = {:.2g} }}",
-                           point(scene.data.demonstrations.front().position.row(0).transpose(), s.extent),
-                           tenth));
+                           point(as_trained(scene, 0).row(0).transpose(), s.extent), tenth));
   text += line(
       "# Nothing is claimed outside of the workspace: 1.25 times the largest distance from the goal on every "
       "side, or");
   const Vector margin = Vector::Constant(s.lower.size(), 0.25 * s.extent);
-  text += line(fmt::format("# bounds = {{ lower = {}, upper = {} }}", point(s.lower - margin, s.extent),
-                           point(s.upper + margin, s.extent)));
+  text += line(fmt::format("# bounds = {{ lower = {}, upper = {} }}", point(box.lower - margin, s.extent),
+                           point(box.upper + margin, s.extent)));
   return text;
 }
 

@@ -65,10 +65,11 @@ std::string found_text(const Scene& scene, const std::string& unit_note) {
   text += row("ends", fmt::format("within {} of their mean, {:.2g} % of the extent", length(s.end_spread),
                                   std::round(1000 * s.end_spread / s.extent) / 10));
   if (scene.frame) {
-    text +=
-        row("goal",
-            scene.frame->position_text(scene.frame->goal) +
-                (scene.frame->moves_demonstrations() ? "; every demonstration is moved to end there" : ""));
+    text += row("goal", scene.frame->position_text(scene.frame->goal) +
+                            (scene.frame->moves_demonstrations()
+                                 ? "; every demonstration is moved to end there, by " +
+                                       range_text(scene.frame->end_distances(scene.data.demonstrations), unit)
+                                 : ""));
   }
   return text;
 }
@@ -197,22 +198,53 @@ std::vector<std::string> paths_of(const std::vector<std::string>& sources, const
   return paths;
 }
 
+// The files of a folder, or those named, below `data_dir`.
+std::vector<std::string> matlab_files(const std::vector<std::string>& paths, const std::string& data_dir) {
+  std::vector<std::string> files;
+  for (const std::string& name : paths) {
+    std::error_code error;
+    const fs::path path = fs::path(data_dir) / name;
+    if (!fs::is_directory(path, error)) files.push_back(name);
+    for (const fs::directory_entry& entry : fs::directory_iterator(path, error)) {
+      if (source_of(entry.path()) == "mat")
+        files.push_back((fs::path(name) / entry.path().filename()).string());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// Whether a MATLAB file has all demonstrations of a motion in a published layout: lasa, ds_opt, or "" for neither.
+std::string layout_of(const std::string& file, const std::string& data_dir) {
+  for (const char* const layout : {"lasa", "ds_opt"}) {
+    DataOptions data;
+    data.source = layout;
+    data.file = file;
+    try {
+      read_demonstrations(data, data_dir);
+      return layout;
+    } catch (const Error&) {  // another layout
+    }
+  }
+  return "";
+}
+
 DataOptions data_options(const NewArguments& arguments, const std::string& data_dir) {
   DataOptions data;
   data.source = source_of_all(arguments.sources, data_dir);
   const std::vector<std::string> paths = paths_of(arguments.sources, data_dir);
-  if (data.source == "mat" && paths.size() == 1) {
-    data.file = paths.front();
-    for (const char* const layout : {"lasa", "ds_opt"}) {
+  if (data.source == "mat") {
+    const std::vector<std::string> files = matlab_files(paths, data_dir);
+    if (const std::string layout = files.empty() ? "" : layout_of(files.front(), data_dir); !layout.empty()) {
+      check(files.size() == 1,
+            "new: found {} MATLAB files, and in {} all demonstrations of a motion (as {} files have them); "
+            "expected "
+            "one of them alone",
+            files.size(), files.front(), layout == "lasa" ? "LASA's" : "ds-opt's");
       data.source = layout;
-      try {
-        read_demonstrations(data, data_dir);
-        return data;
-      } catch (const Error&) {  // another layout
-      }
+      data.file = files.front();
+      return data;
     }
-    data.file.clear();
-    data.source = "mat";
   }
   data.files = paths;
   data.unit = arguments.unit;

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Synthetic recordings in the formats of three kinds of robot, for the walk-throughs of README.md in this folder.
 
-    python3 make_recordings.py arm FOLDER       # reach_0.csv ...: a 7-joint arm led by hand; joints, position [m], quaternion
+    python3 make_recordings.py arm FOLDER       # reach_0.csv ...: a 7-joint arm led by hand; joints, position [m], quaternion;
+                                                # bottle.obj and bottle.xyz: a bottle as a mesh and as a scan
     python3 make_recordings.py mobile FOLDER    # drive_0.bag ... (ROS 1), room.pgm and room.yaml: a robot that drives past a shelf
     python3 make_recordings.py lerobot FOLDER   # a LeRobot v3 data set: a planar arm that places a part
 
@@ -41,6 +42,34 @@ def arm(folder, rng):
         names = ["time", *(f"joint_{j + 1}" for j in range(7)), "x", "y", "z", "qx", "qy", "qz", "qw"]
         table = np.column_stack([times, joints, position, quaternion])
         np.savetxt(f"{folder}/reach_{k}.csv", table, fmt="%.5f", delimiter=",", header=",".join(names), comments="")
+    write_bottle(folder, rng)
+
+
+BOTTLE = ((0.05, -0.05), (0.05, 0.12), (0.018, 0.16), (0.018, 0.2))  # radius and height of its rings [m]
+BOTTLE_AT = (0.45, -0.03)
+
+
+def write_bottle(folder, rng, sides=24):
+    """A closed mesh, and 1,500 points of its side as a depth camera sees them."""
+    angles = 2 * np.pi * np.arange(sides) / sides
+    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    rings = [np.column_stack([BOTTLE_AT + r * around, np.full(sides, z)]) for r, z in BOTTLE]
+    corners = np.vstack([*rings, [*BOTTLE_AT, BOTTLE[0][1]], [*BOTTLE_AT, BOTTLE[-1][1]]])
+    bottom, top, last = len(corners) - 2, len(corners) - 1, (len(rings) - 1) * sides
+    triangles = []
+    for i in range(sides):
+        j = (i + 1) % sides
+        triangles += [(bottom, j, i), (top, last + i, last + j)]
+        for low in range(0, last, sides):
+            triangles += [(low + i, low + j, low + sides + j), (low + i, low + sides + j, low + sides + i)]
+    with open(f"{folder}/bottle.obj", "w", encoding="utf-8") as file:
+        file.writelines(f"v {x:.5f} {y:.5f} {z:.5f}\n" for x, y, z in corners)
+        file.writelines(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in triangles)
+    heights = rng.uniform(BOTTLE[0][1], BOTTLE[-1][1], 1500)
+    radii = np.interp(heights, *np.array(BOTTLE)[:, ::-1].T)
+    angles = rng.uniform(0, 2 * np.pi, 1500)
+    points = np.column_stack([BOTTLE_AT + radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]), heights])
+    np.savetxt(f"{folder}/bottle.xyz", points + 1e-3 * rng.standard_normal(points.shape), fmt="%.5f")
 
 
 def room():

@@ -6,24 +6,11 @@
 #include "s2nnds/core/stopwatch.h"
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
+#include "s2nnds/problem/grid_level.h"
 #include "s2nnds/runs/motion_report.h"
 
 namespace s2nnds {
 namespace {
-
-Points grid_points(const std::vector<Vector>& axes) {
-  Eigen::Index total = 1;
-  for (const Vector& axis : axes) total *= axis.size();
-  Points x(total, static_cast<Eigen::Index>(axes.size()));
-  for (Eigen::Index i = 0; i < total; ++i) {
-    Eigen::Index rest = i;
-    for (Eigen::Index k = x.cols() - 1; k >= 0; --k) {
-      x(i, k) = axes[k][rest % axes[k].size()];
-      rest /= axes[k].size();
-    }
-  }
-  return x;
-}
 
 Grid make_grid(const PreparedRun& setup, const Networks& networks) {
   const Eigen::Index n = setup.problem.dimension();
@@ -33,8 +20,8 @@ Grid make_grid(const PreparedRun& setup, const Networks& networks) {
   const Box& x = setup.problem.workspace;
   for (Eigen::Index k = 0; k < n; ++k) grid.axes.push_back(Vector::LinSpaced(side, x.lower[k], x.upper[k]));
   const Points points = grid_points(grid.axes);
-  grid.unsafe = setup.problem.unsafe->level(points);
-  grid.initial = setup.problem.initial->level(points);
+  grid.unsafe = grid_level(*setup.problem.unsafe, grid.axes);
+  grid.initial = grid_level(*setup.problem.initial, grid.axes);
   grid.V = networks.V.value(points);
   grid.B = networks.B.value(points);
   grid.velocity = networks.f.value(points);

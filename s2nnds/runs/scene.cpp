@@ -8,6 +8,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/hdf5.h"
+#include "s2nnds/problem/grid_level.h"
 #include "s2nnds/problem/passing_sides.h"
 #include "s2nnds/problem/reachability.h"
 
@@ -114,16 +115,8 @@ void write_sets(Hdf5Writer& file, const Scene& scene) {
     file.write(fmt::format("/axes/{}", i),
                Vector((frame.position_scale * axes.back()).array() + frame.goal[i]));
   }
-  Eigen::Index count = 1;
-  for (Eigen::Index i = 0; i < n; ++i) count *= side;
-  Points points(count, n);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    Eigen::Index rest = k;
-    for (Eigen::Index i = n; i-- > 0; rest /= side)
-      points(k, i) = axes[static_cast<std::size_t>(i)][rest % side];
-  }
   const auto level = [&](const Region& region) {
-    const Vector values = region.level(points);
+    const Vector values = grid_level(region, axes);
     return grid_of(values.cwiseMax(-1e6).cwiseMin(1e6), n, side);  // an empty region's is infinite
   };
   file.write("/unsafe", level(*problem.unsafe));

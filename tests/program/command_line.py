@@ -201,8 +201,10 @@ class ProgramTest(unittest.TestCase):
         return path
 
     def assert_refused(self, result, *words, program="s2nnds"):
-        """Bad input: exit code 2, nothing on stdout, one line on stderr that says all of `words`."""
+        """Bad input: exit code 2, nothing on stdout, one line on stderr that says all of `words`. Training says before it how
+        recordings were read."""
         code, out, err = result
+        err = "".join(line for line in err.splitlines(keepends=True) if not line.startswith("data: "))
         self.assertEqual(code, 2, f"{err}{out}")
         self.assertEqual(out, "")
         self.assertEqual(err.count("\n"), 1, err)

@@ -219,7 +219,7 @@ class LeRobotTest(ImportTest):
         script = os.path.join(PROJECT, "experiments/walkthroughs/make_recordings.py")
         subprocess.run([sys.executable, script, "lerobot", self.path("set")], check=True)
         out, about, items = self.imported("set")
-        self.assertEqual((len(items), list(about["coordinates"]), about["unit"]), (6, ["x", "y"], "m"))
+        self.assertEqual((len(items), list(about["coordinates"]), about["unit"]), (6, ["x", "y"], ""))
         self.assertIn("without gripper", out)
         _, _, items = self.imported("set", "--episodes", "4", "2", "--coordinates", "y", "x")
         self.assertEqual([origin["episode"] for _, origin in items], [4, 2])

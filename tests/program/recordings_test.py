@@ -370,6 +370,13 @@ class NumbersTest(RecordingsTest):
         self.assertIn("1 demonstration(s) in 2 dimensions", out)
         truncate(self.path("e.mat"))
         self.assert_bad("e.mat")
+        # A published layout has all demonstrations of a motion in a file.
+        os.mkdir(self.path("in"))
+        scipy.io.savemat(self.path("in/f.mat"), {"data": matlab_cells(), "dt": 2.0 / (M - 1)})
+        self.assertEqual(self.call("new", "in", "--out", "new.toml")[0], 0)
+        scipy.io.savemat(self.path("in/g.mat"), {"data": matlab_cells(), "dt": 2.0 / (M - 1)})
+        refused = self.call("new", "in", "--out", "newer.toml")
+        self.assert_refused(refused, "2 MATLAB files", "f.mat", "ds-opt's", "one of them alone")
 
     def test_dimensions_that_differ(self):
         write_text(self.path("d0.csv"), csv_text(table()))

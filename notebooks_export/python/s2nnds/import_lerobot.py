@@ -60,7 +60,7 @@ def _position_names(names):
 
 
 def read_lerobot(source, options):
-    """One demonstration an episode."""
+    """One demonstration an episode. No such data set says its unit."""
     info = _info(source)
     features = info.get("features", {})
     column = options.column or DEFAULT_COLUMN
@@ -80,7 +80,6 @@ def read_lerobot(source, options):
     places = [names.index(name) for name in keep]
     there = list(dict.fromkeys(episodes.tolist()))
     wanted = options.episodes if options.episodes is not None else there
-    unit = "m" if any(name.lower().split(".")[-1] in ("x", "y", "z") for name in keep) else ""
     left_out = ", ".join(name for name in names if name not in keep)
     recordings = []
     for episode in wanted:
@@ -90,5 +89,5 @@ def read_lerobot(source, options):
         origin = {"column": column, "type": f"LeRobot {info['codebase_version']}", "episode": int(episode), "fps": float(info.get("fps", 0))}
         if left_out:
             origin["notes"] = f"without {left_out}"
-        recordings.append(Recording(source, times[rows], values[np.ix_(rows, places)], keep, unit, "", None, None, origin))
+        recordings.append(Recording(source, times[rows], values[np.ix_(rows, places)], keep, "", "", None, None, origin))
     return recordings
