@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What all lanes do: install what is missing, configure, build, compare the weights of a short training with those of
 # every other lane, run the tests that are not labelled slow, and those that need packages of pip. Prints the seconds of
-# each.
+# each in the end, also where it fails.
 # Usage: bash third_party/lanes/lane.sh NAME [-DOPTION=VALUE]...      (builds in build/lanes/NAME)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
@@ -10,6 +10,7 @@ name=$1
 shift
 build=build/lanes/$name
 took=""
+trap 'printf "\nlane %s: %s\n" "$name" "$took"' EXIT
 
 step() {
   printf '\nlane %s: %s\n' "$name" "$*"
@@ -57,4 +58,3 @@ else
   echo "left out: no python3-venv, or no network"
 fi
 done_in import
-printf '\nlane %s: %s\n' "$name" "$took"
