@@ -54,6 +54,18 @@ if(NOT TARGET s2nnds_onnx)
     ${Protobuf_LIBRARIES})  # by name: pip's torch defines the target too, empty
 endif()
 if(S2NNDS_BUILD_EXPERIMENTS)
+  # Arb, the ball arithmetic of s2nnds-check: a part of FLINT since 3.0, before a library of its own (2.23, flint-arb on Debian).
+  find_path(ARB_INCLUDE_DIR NAMES flint/arb.h arb.h)
+  find_library(FLINT_LIBRARY flint)
+  find_library(ARB_LIBRARY NAMES flint-arb arb)
+  if(ARB_INCLUDE_DIR AND FLINT_LIBRARY AND (ARB_LIBRARY OR EXISTS ${ARB_INCLUDE_DIR}/flint/arb.h))
+    add_library(s2nnds_arb INTERFACE IMPORTED)
+    target_include_directories(s2nnds_arb SYSTEM INTERFACE ${ARB_INCLUDE_DIR})
+    if(NOT EXISTS ${ARB_INCLUDE_DIR}/flint/arb.h)
+      target_link_libraries(s2nnds_arb INTERFACE ${ARB_LIBRARY})
+    endif()
+    target_link_libraries(s2nnds_arb INTERFACE ${FLINT_LIBRARY})
+  endif()
   find_package(PkgConfig QUIET)                               # it tells what cpp-httplib was compiled with
   if(PKG_CONFIG_FOUND)
     pkg_check_modules(HTTPLIB QUIET IMPORTED_TARGET cpp-httplib>=0.11)  # s2nnds studio; left out without it

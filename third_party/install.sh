@@ -36,7 +36,7 @@ build nlohmann-json3-dev header:nlohmann/json.hpp
 build libonnx-dev header:onnx/onnx_pb.h
 build libprotobuf-dev header:google/protobuf/message.h
 build libssl-dev header:openssl/evp.h
-build libmpfr-dev header:mpfr.h
+build libflint-arb-dev arb
 build libcpp-httplib-dev header:httplib.h
 build python3 command:python3
 build python3-numpy module:numpy
@@ -98,7 +98,7 @@ has_header() {
 }
 
 has_openblas() {
-  /sbin/ldconfig -p 2>/dev/null | grep -q 'libopenblas\.so'
+  [[ $(/sbin/ldconfig -p 2>/dev/null || true) == *libopenblas.so* ]]
 }
 
 pip_torch() {  # the folder of pip's torch, if it is there
@@ -115,6 +115,7 @@ there() {
     command:*) command -v "${1#*:}" >/dev/null ;;
     header:*) has_header "${1#*:}" ;;
     module:*) has_module "${1#*:}" ;;
+    arb) has_header flint/arb.h || { has_header arb.h && has_header flint/flint.h; } ;;
     torch)
       for folder in $prefixes; do
         [[ ! -e $folder/Torch/TorchConfig.cmake && ! -e $folder/share/cmake/Torch/TorchConfig.cmake ]] || return 0
@@ -232,6 +233,8 @@ fi
 from_apt=()
 from_pip=()
 for package in "${missing[@]}"; do
+  # Arb is a part of FLINT since FLINT 3 (Debian 13, Ubuntu 24.04).
+  [[ $package != libflint-arb-dev ]] || apt_has libflint-arb-dev || package=libflint-dev
   if apt_has "$package"; then
     from_apt+=("$package")
   elif [[ -n ${pip_name[$package]:-} ]]; then

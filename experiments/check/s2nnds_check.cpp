@@ -2,13 +2,19 @@
 // s2nnds-check FILE [POLICY ...]: checks the certificate of a run file, or of the proof that `verify --artifact` wrote,
 // with no code of the program that made it.
 #include <hdf5.h>
-#include <mpfr.h>
 #include <openssl/evp.h>
 #include <toml++/toml.h>
 
+#if __has_include(<flint/arb.h>)  // FLINT 3
+#include <flint/arb.h>
+#include <flint/arb_mat.h>
+#else
+#include <arb.h>
+#include <arb_mat.h>
+#endif
+
 #include <algorithm>
 #include <array>
-#include <cfenv>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -25,66 +31,48 @@ namespace {
 using std::fabs, std::max, std::min, std::size_t, std::string;
 using Numbers = std::vector<double>;
 [[noreturn]] void fail(const string& found) { throw std::runtime_error("found " + found); }
-// All arithmetic of this program runs while the processor rounds upward, on each thread. An interval is kept as its upper
-// bound and the negative of its lower bound, so that rounding upward moves both outward.
-void round_up() {
-  std::fesetenv(FE_DFL_ENV);  // no flush to zero
-  std::fesetround(FE_UPWARD);
-}
-struct Interval {  // -minus_lower <= x <= upper
-  double upper = 0.0, minus_lower = 0.0;
-  double size() const { return max(upper, minus_lower); }  // |x| is at most this
+constexpr slong bits = 53;
+// All bounds are made by Arb: a ball is a number that is known up to a radius, and each operation's ball holds the
+// result of every number in its operands' balls.
+class Ball {
+ public:
+  Ball(double x = 0.0) { arb_init(ball), arb_set_d(ball, x); }  // exact
+  Ball(const Ball& other) { arb_init(ball), arb_set(ball, other.ball); }
+  Ball(Ball&& other) noexcept { arb_init(ball), arb_swap(ball, other.ball); }
+  Ball& operator=(Ball other) noexcept { return arb_swap(ball, other.ball), *this; }
+  ~Ball() { arb_clear(ball); }
+  bool is_positive() const { return arb_is_positive(ball) != 0; }  // all of it; false if it is unknown
+  bool is_negative() const { return arb_is_negative(ball) != 0; }
+  arb_t ball;
 };
-using Intervals = std::vector<Interval>;
-Interval at(double x) { return {x, -x}; }
-Interval around_zero(double size) { return {size, size}; }
-Interval operator-(Interval a) { return {a.minus_lower, a.upper}; }
-Interval operator+(Interval a, Interval b) { return {a.upper + b.upper, a.minus_lower + b.minus_lower}; }
-Interval operator-(Interval a, Interval b) { return a + (-b); }
-Interval operator*(Interval a, Interval b) {
-  const double au = a.upper, al = a.minus_lower, bu = b.upper, bl = b.minus_lower;  // al and bl are negated
-  return {max(max(au * bu, -au * bl), max(-al * bu, al * bl)),
-          max(max(-au * bu, au * bl), max(al * bu, -al * bl))};
+using Balls = std::vector<Ball>;
+static_assert(sizeof(Ball) == sizeof(arb_struct));  // arb_dot goes over many
+template <auto operation>
+Ball made_by(const Ball& a, const Ball& b) {
+  Ball c;
+  operation(c.ball, a.ball, b.ball, bits);
+  return c;
 }
-Interval positive_inverse(Interval a) { return {1.0 / -a.minus_lower, -1.0 / a.upper}; }
-Interval maximum(Interval a, Interval b) {
-  return {max(a.upper, b.upper), min(a.minus_lower, b.minus_lower)};
+Ball operator+(const Ball& a, const Ball& b) { return made_by<arb_add>(a, b); }
+Ball operator-(const Ball& a, const Ball& b) { return made_by<arb_sub>(a, b); }
+Ball operator*(const Ball& a, const Ball& b) { return made_by<arb_mul>(a, b); }
+Ball operator/(const Ball& a, const Ball& b) { return made_by<arb_div>(a, b); }
+Ball operator-(Ball a) { return arb_neg(a.ball, a.ball), a; }
+Ball hull(const Ball& a, const Ball& b) { return made_by<arb_union>(a, b); }
+Ball least(const Ball& a, const Ball& b) { return made_by<arb_min>(a, b); }
+Ball greatest(const Ball& a, const Ball& b) { return made_by<arb_max>(a, b); }
+bool is_below(const Ball& a, const Ball& b) { return arb_lt(a.ball, b.ball) != 0; }
+Ball tanh(const Ball& a) {
+  Ball t;
+  arb_tanh(t.ball, a.ball, bits);
+  return t;
 }
-// y += w x
-void add_multiple(double w, Interval x, Interval& y) {
-  const double size = fabs(w);
-  y.upper += size * (w < 0.0 ? x.minus_lower : x.upper);
-  y.minus_lower += size * (w < 0.0 ? x.upper : x.minus_lower);
-}
-constexpr double spacing = 1.0 / 512, reach = 20.0;
-// tanh at -reach, -reach + spacing, ..., reach, rounded down and up by MPFR.
-Intervals tanh_table() {
-  Intervals table;
-  mpfr_t z, t;
-  mpfr_inits2(53, z, t, static_cast<mpfr_ptr>(nullptr));
-  for (int k = 0; k <= static_cast<int>(2 * reach / spacing); ++k) {
-    mpfr_set_d(z, k * spacing - reach, MPFR_RNDN);  // exact: sums of few powers of two
-    mpfr_tanh(t, z, MPFR_RNDD);
-    const double lower = mpfr_get_d(t, MPFR_RNDD);
-    mpfr_tanh(t, z, MPFR_RNDU);
-    table.push_back({mpfr_get_d(t, MPFR_RNDU), -lower});
-  }
-  mpfr_clears(z, t, static_cast<mpfr_ptr>(nullptr));
-  return table;
-}
-// tanh(z), by that table and Taylor's theorem in between.
-Interval tanh_range(Interval z) {
-  static const Intervals table = tanh_table();
-  const double middle = 0.5 * (z.upper - z.minus_lower);
-  const size_t k = fabs(middle) <= reach ? std::lround((middle + reach) / spacing) : 0;
-  const Interval t = table[k], d = z - at(static_cast<double>(k) * spacing - reach);
-  if (!(d.size() <= spacing))
-    return {z.upper < -reach ? table.front().upper : 1.0,
-            -z.minus_lower > reach ? table.back().minus_lower : 1.0};
-  const Interval third{0.33333333333333337, -0.3333333333333333}, d2 = d * d, first = at(1.0) - t * t;
-  // The fourth derivative is below 4.1, and 4.1 / 24 < 0.171.
-  return t + first * d - t * first * d2 + first * (t * t - third) * d2 * d +
-         around_zero(0.171 * d2.upper * d2.upper);
+const Ball zero, one(1.0), two(2.0), half(0.5);
+// start + sum_k a_k b_k over `count` balls, of b every `stride`-th.
+Ball dot(const Ball& start, const Ball* a, const Ball* b, size_t count, size_t stride = 1) {
+  Ball sum;
+  arb_dot(sum.ball, start.ball, 0, a->ball, 1, b->ball, slong(stride), slong(count), bits);
+  return sum;
 }
 struct Box {
   Numbers lower, upper;  // [n]
@@ -94,184 +82,157 @@ struct Layer {
   std::vector<Numbers> weight;  // [out][in]
   Numbers bias;                 // [out] or empty
   bool tanh = false;            // else the identity
+  std::vector<Balls> balls;     // the weights again
 };
 struct Network {
   string head;
   double quadratic = 0.0;
   std::vector<Layer> layers;
-  Intervals offset;  // N(0), or none for the head `plain`
+  Balls offset;  // N(0), or none for the head `plain`
   size_t inputs() const { return layers.front().weight.front().size(); }
   size_t outputs() const { return layers.back().weight.size(); }
 };
-// A quantity on a box: with d = x - center, it lies in value + slope . d + [-rest, rest], where value and slope enclose it
-// and its gradient at the center.
-constexpr size_t most_dimensions = 4;
-struct Form {
-  Interval value;
-  std::array<Interval, most_dimensions> slope;  // [n]
-  double rest = 0.0;
+// A box X by its center c and X - c.
+struct Place {
+  explicit Place(const Box& box) {
+    for (size_t d = 0; d < box.lower.size(); ++d) {
+      center.emplace_back(0.5 * box.lower[d] + 0.5 * box.upper[d]);
+      step.push_back(hull(Ball(box.lower[d]) - center[d], Ball(box.upper[d]) - center[d]));
+    }
+  }
+  size_t n() const { return center.size(); }
+  Balls center, step;  // [n]
 };
-// A computation on a box, step by step: sums with weights, tanh, and `plus` + factor a b.
-class Tape {
+// Functions on a box X with center c. By the mean value theorem g(x) = g(c) + grad g(y) . (x - c) with y between x and c, so
+// g(X) lies in g(c) + grad g(X) . (X - c). Of order 1, a function has its value at c and its gradient over X; of order 2 its value
+// and gradient at c and its hessian over X, whence its gradient over X by the same theorem.
+class Functions {
  public:
-  static constexpr size_t zero = 0, one = 1, x = 2;  // the first steps: constants, and the coordinates [n]
-  explicit Tape(const Box& box) : n_(box.lower.size()) {
-    given(at(0.0));
-    given(at(1.0));
-    for (size_t d = 0; d < n_; ++d) {
-      const double center = 0.5 * box.lower[d] + 0.5 * box.upper[d];
-      half_[d] = max(box.upper[d] - center, center - box.lower[d]);
-      steps_[given(at(center))].form.slope[d] = at(1.0);
-    }
+  Functions(const Place& place, size_t order, size_t count)
+      : place_(&place), order_(order), balls_(count * columns()) {}
+  static Functions coordinates(const Place& place, size_t order) {
+    Functions x(place, order, place.n());
+    for (size_t d = 0; d < place.n(); ++d) x.at(d)[0] = place.center[d], x.at(d)[1 + d] = 1.0;
+    return x;
   }
-  size_t size() const { return steps_.size(); }
-  size_t given(const Interval& value) { return add({Kind::given, {value, {}, {}}}); }
-  void subtract(size_t k, Interval c) { steps_[k].form.value = steps_[k].form.value - c; }
-  size_t sum(const Numbers& weights, double constant, size_t first) {
-    Form y{at(constant), {}, {}};
-    for (size_t k = 0; k < weights.size(); ++k) {
-      const Form& term = form(first + k);
-      add_multiple(weights[k], term.value, y.value);
-      for (size_t d = 0; d < n_; ++d) add_multiple(weights[k], term.slope[d], y.slope[d]);
-      y.rest += fabs(weights[k]) * term.rest;
-    }
-    return add({Kind::sum, y, first, 0, 0, {}, &weights});
+  size_t columns() const { return order_ == 1 ? 1 + n() : 1 + n() + n() * n(); }
+  size_t order() const { return order_; }
+  Ball* at(size_t k) { return &balls_[k * columns()]; }
+  const Ball* at(size_t k) const { return &balls_[k * columns()]; }
+  const Ball& value(size_t k) const { return at(k)[0]; }      // at c
+  const Ball* gradient(size_t k) const { return at(k) + 1; }  // at c, or over X for order 1
+  const Ball* hessian(size_t k, size_t i = 0) const { return at(k) + 1 + n() + i * n(); }  // its row i
+  Balls gradient_over(size_t k) const {
+    Balls g(gradient(k), gradient(k) + n());
+    for (size_t i = 0; order_ == 2 && i < n(); ++i) g[i] = g[i] + along_step(hessian(k, i));
+    return g;
   }
-  // t + t' dz + [-1, 1] max |t''| dz^2 / 2. With t = tanh(z), its derivatives are 1 - t^2, -2 t (1 - t^2) and
-  // (1 - t^2) (6 t^2 - 2), below 1, 0.77 and 2; t is within its value at the center +- spread, as the first is at most 1.
-  size_t tanh(size_t of) {
-    const Form& z = form(of);
-    const Interval t = tanh_range(z.value), first = at(1.0) - t * t, second = at(-2.0) * t * first;
-    // |tanh| lies within [least, most]; 1 - least^2 from above, where least^2 may have been rounded up.
-    const double away = spread(z), most = min(t.size() + away, 1.0);
-    const double least = max(-(away - max(-t.upper, -t.minus_lower)), 0.0);
-    const double steepest = -(least * least - 1.0) + 1e-15;
-    Form y{t, {}, first.size() * z.rest + 0.5 * min(2.0 * most * steepest, 0.77) * away * away};
-    for (size_t d = 0; d < n_; ++d) y.slope[d] = first * z.slope[d];
-    return add({Kind::tanh, y, of, 0, 0, first, nullptr, second, min(4.0 * steepest, 2.0)});
+  // g(X) - g(c). On the way from c to x, grad g lies on average in grad g(c) + hess g(X) (X - c) / 2.
+  Ball change(size_t k) const {
+    Balls g(gradient(k), gradient(k) + n());
+    for (size_t i = 0; order_ == 2 && i < n(); ++i) g[i] = g[i] + half * along_step(hessian(k, i));
+    return along_step(g.data());
   }
-  size_t product(size_t plus, double factor, size_t a, size_t b) {
-    const Form &u = form(a), &v = form(b);
-    const Interval f = at(factor), by_u = f * v.value, by_v = f * u.value;
-    Form y = form(plus);
-    y.value = y.value + by_u * u.value;
-    for (size_t d = 0; d < n_; ++d) y.slope[d] = y.slope[d] + by_u * u.slope[d] + by_v * v.slope[d];
-    y.rest += by_u.size() * u.rest + by_v.size() * v.rest + f.size() * spread(u) * spread(v);
-    return add({Kind::product, y, a, b, plus, f});
-  }
-  Interval rough_range(size_t y) const { return form(y).value + around_zero(spread(form(y))); }
-  const Form& form(size_t k) const { return steps_[k].form; }
-  // Let each step be its tangent at the center plus a bend. Then y is its own tangent plus all bends, each times y's derivative
-  // at the center by that step. The bends' terms of second order make y's hessian, those of third order are bounded.
-  Interval range(size_t y) const {
-    Intervals by(steps_.size());  // y's derivative at the center by each step
-    by[y] = at(1.0);
-    std::array<std::array<Interval, most_dimensions>, most_dimensions> hessian;
-    double rest = 0.0;
-    // c (u - u at the center) (v - v at the center)
-    const auto bend = [&](const Interval& c, const Form& u, const Form& v) {
-      for (size_t d = 0; d < n_; ++d) {
-        const Interval along = c * u.slope[d], across = c * v.slope[d];
-        for (size_t e = d; e < n_; ++e)
-          hessian[d][e] = hessian[d][e] + along * v.slope[e] + across * u.slope[e];
-      }
-      rest += c.size() * (linear(u) * v.rest + linear(v) * u.rest + u.rest * v.rest);
-    };
-    for (size_t k = y + 1; k-- > x + n_;) {
-      const Step& step = steps_[k];
-      const Form &u = form(step.a), &v = form(step.b);
-      if (step.kind == Kind::sum) {
-        for (size_t i = 0; i < step.weights->size(); ++i)
-          add_multiple((*step.weights)[i], by[k], by[step.a + i]);
-      } else if (step.kind == Kind::tanh) {
-        bend(at(0.5) * by[k] * step.second, u, u);
-        rest += by[k].size() * step.third_size * spread(u) * spread(u) * spread(u) * 0.16666666666666669;
-        by[step.a] = by[step.a] + by[k] * step.first;
-      } else if (step.kind == Kind::product) {
-        const Interval c = by[k] * step.first;
-        bend(c, u, v);
-        by[step.a] = by[step.a] + c * v.value;
-        by[step.b] = by[step.b] + c * u.value;
-        by[step.plus] = by[step.plus] + by[k];
+  Ball value_over(size_t k) const { return value(k) + change(k); }
+  Ball along_step(const Ball* slope) const { return dot(zero, slope, place_->step.data(), n()); }
+  // W x + b
+  Functions after(const Layer& layer) const {
+    const size_t rows = layer.weight.size(), inputs = layer.weight.front().size();
+    Functions y(*place_, order_, rows);
+    for (size_t k = 0; k < rows; ++k) {
+      for (size_t c = 0; c < columns(); ++c) {
+        const size_t i = c <= n() ? 0 : (c - 1) / n() - 1, j = c <= n() ? 0 : (c - 1) % n();
+        y.at(k)[c] = j < i ? y.hessian(k, j)[i]
+                           : dot(c == 0 && !layer.bias.empty() ? Ball(layer.bias[k]) : zero,
+                                 layer.balls[k].data(), at(0) + c, inputs, columns());
       }
     }
-    Interval sum = form(y).value + around_zero(rest);
-    for (size_t d = 0; d < n_; ++d) {
-      // Of s t + c t^2 on 0 <= t <= h: at h, or at an extremum t <= h, where it is s t / 2.
-      const double h = half_[d], s = form(y).slope[d].size() * h;
-      const Interval bow = at(0.5) * at(h) * at(h) * hessian[d][d];
-      sum = sum + Interval{max(0.5 * s, s + bow.upper), max(0.5 * s, s + bow.minus_lower)};
-      for (size_t e = d + 1; e < n_; ++e) sum = sum + around_zero(hessian[d][e].size() * h * half_[e]);
+    return y;
+  }
+  // z_k becomes tanh(z_k), by the chain rule. With t = tanh(z), tanh' = 1 - t^2 and tanh'' = -2 t (1 - t^2).
+  void apply_tanh(size_t k) {
+    Ball* z = at(k);
+    const Ball step = change(k), t = tanh(z[0]), over = tanh(z[0] + step);
+    Ball first = one - over * over;
+    if (order_ == 1) {
+      for (size_t i = 1; i <= n(); ++i) z[i] = first * z[i];
+    } else {
+      const Balls gradient = gradient_over(k);
+      const Ball at_center = one - t * t, mean = at_center - two * over * first * step;
+      if (mag_cmp(arb_radref(mean.ball), arb_radref(first.ball)) < 0) first = mean;
+      const Ball second = -(two * over * first);
+      for (size_t i = 0; i < n(); ++i) {
+        const Ball along = second * gradient[i];
+        for (size_t j = i; j < n(); ++j) {
+          Ball *h = z + 1 + n() + i * n() + j, *transposed = z + 1 + n() + j * n() + i;
+          *h = *transposed = along * gradient[j] + first * *h;
+        }
+        z[1 + i] = at_center * z[1 + i];
+      }
     }
-    return sum;
+    z[0] = t;
   }
 
  private:
-  enum class Kind { given, sum, tanh, product };
-  struct Step {
-    Kind kind;
-    Form form;
-    size_t a = 0, b = 0, plus = 0;  // the steps that it takes; for a sum a is the first of them
-    Interval first{};               // tanh's slope at the center, or a product's factor
-    const Numbers* weights = nullptr;
-    Interval second{};        // tanh's second derivative at the center
-    double third_size = 0.0;  // above the size of its third one on the box; it is below 4 (1 - t^2)
-  };
-  size_t add(const Step& step) { return steps_.push_back(step), size() - 1; }
-  double linear(const Form& of) const {  // above |slope . d|
-    double sum = 0.0;
-    for (size_t d = 0; d < n_; ++d) sum += of.slope[d].size() * half_[d];
-    return sum;
-  }
-  double spread(const Form& of) const { return linear(of) + of.rest; }
-  size_t n_;
-  std::array<double, most_dimensions> half_{};  // rounded up
-  std::vector<Step> steps_;
+  size_t n() const { return place_->n(); }
+  const Place* place_;
+  size_t order_;
+  Balls balls_;
 };
-// Puts the network's layers on the tape. Returns the steps of its first output, and of that one's rate while x has the rates
-// that begin with step `direction` (0: none).
-std::pair<size_t, size_t> apply(const Network& network, Tape& tape, size_t direction = 0) {
-  size_t x = Tape::x, p = direction;
+// N or N - N(0) on the box.
+Functions apply(const Network& network, const Place& place, size_t order) {
+  Functions x = Functions::coordinates(place, order);
   for (const Layer& layer : network.layers) {
-    const size_t width = layer.weight.size(), z = tape.size(), rate = p == 0 ? 0 : z + width;
-    for (size_t i = 0; i < width; ++i) tape.sum(layer.weight[i], layer.bias.empty() ? 0.0 : layer.bias[i], x);
-    for (size_t i = 0; i < width && p != 0; ++i) tape.sum(layer.weight[i], 0.0, p);
-    x = z;
-    p = rate;
-    if (!layer.tanh) continue;
-    x = tape.size();
-    for (size_t i = 0; i < width; ++i) tape.tanh(z + i);
-    if (p == 0) continue;
-    p = tape.size() + width;
-    for (size_t i = 0; i < width; ++i) tape.product(Tape::one, -1.0, x + i, x + i);
-    for (size_t i = 0; i < width; ++i) tape.product(Tape::zero, 1.0, x + width + i, rate + i);
+    x = x.after(layer);
+    for (size_t k = 0; layer.tanh && k < layer.weight.size(); ++k) x.apply_tanh(k);
   }
-  for (size_t i = 0; i < network.offset.size(); ++i) tape.subtract(x + i, network.offset[i]);
-  return {x, p};
+  for (size_t k = 0; k < network.offset.size(); ++k) x.at(k)[0] = x.value(k) - network.offset[k];
+  return x;
 }
 void find_offset(Network& network) {
-  Tape tape({Numbers(network.inputs()), Numbers(network.inputs())});
-  const size_t first = apply(network, tape).first, count = network.head == "plain" ? 0 : network.outputs();
-  for (size_t i = 0; i < count; ++i) network.offset.push_back(tape.rough_range(first + i));
+  const Place origin({Numbers(network.inputs()), Numbers(network.inputs())});
+  const Functions at_origin = apply(network, origin, 1);
+  const size_t count = network.head == "plain" ? 0 : network.outputs();
+  for (size_t k = 0; k < count; ++k) network.offset.push_back(at_origin.value(k));
 }
-// B on the box.
-Interval value_range(const Network& B, const Box& box) {
-  Tape tape(box);
-  return tape.range(apply(B, tape).first);
+// V = |u|^2 + q |x|^2.
+Functions squared_norm(const Functions& u, size_t outputs, double q, const Place& place) {
+  const size_t n = place.n();
+  Functions v(place, 2, 1);
+  Ball *gradient = v.at(0) + 1, *hessian = gradient + n;  // the value is not needed
+  const Ball twice(2.0 * q);
+  for (size_t d = 0; d < n; ++d) gradient[d] = twice * place.center[d], hessian[d * n + d] = twice;
+  for (size_t k = 0; k < outputs; ++k) {
+    const Ball value = two * u.value(k), over = two * u.value_over(k);
+    const Balls slope = u.gradient_over(k);
+    for (size_t i = 0; i < n; ++i) {
+      gradient[i] = gradient[i] + value * u.gradient(k)[i];
+      for (size_t j = 0; j < n; ++j)
+        hessian[i * n + j] = hessian[i * n + j] + two * slope[i] * slope[j] + over * u.hessian(k, i)[j];
+    }
+  }
+  return v;
 }
-// The rate of B or V while x moves along f.
-Interval rate_range(const Network& of, const Network& f, const Box& box) {
-  Tape tape(box);
-  const size_t p = apply(f, tape).first, n = f.inputs();
-  const auto [u, rate] = apply(of, tape, p);
-  if (of.head != "squared_norm") return tape.range(rate);
-  size_t y = Tape::zero;
-  for (size_t i = 0; i < of.outputs(); ++i) y = tape.product(y, 2.0, u + i, rate + i);
-  for (size_t d = 0; d < n; ++d) y = tape.product(y, 2.0 * of.quadratic, Tape::x + d, p + d);
-  return tape.range(y);
+// grad w . f on the box, w of order 2: its gradient there is hess w f + (grad f)' grad w.
+Ball rate_range(const Functions& w, const Network& f, const Place& place) {
+  const size_t n = place.n();
+  const Functions field = apply(f, place, 1);
+  const Balls gradient = w.gradient_over(0);
+  Ball rate;
+  Balls slope(n);
+  for (size_t i = 0; i < n; ++i) {
+    const Ball over = field.value_over(i);
+    rate = rate + w.gradient(0)[i] * field.value(i);
+    for (size_t j = 0; j < n; ++j)
+      slope[j] = slope[j] + w.hessian(0, i)[j] * over + gradient[i] * field.gradient(i)[j];
+  }
+  return rate + w.along_step(slope.data());
 }
-// A set {level <= 0}, as a function that encloses the level over a box [n].
-using Region = std::function<Interval(const Intervals&)>;
+// A set {level <= 0}: a function that encloses the level over a box [n], and bounds of the set [n].
+struct Region {
+  std::function<Ball(const Balls&)> level;
+  Balls lower, upper;
+};
 template <typename T>
 const T& need(const toml::table& table, const char* key) {
   const T* found = table[key].as<T>();
@@ -287,8 +248,9 @@ double scalar(const toml::table& table, const char* key) {
   const std::optional<double> found = table[key].value<double>();
   return found ? *found : throw std::runtime_error(string("found no number ") + key);
 }
+Ball infinity(double sign) { return Ball(std::copysign(INFINITY, sign)); }
 // From its TOML table. Throws on what this program does not know.
-Region read_region(const toml::table& table) {
+Region read_region(const toml::table& table, size_t n) {
   const string type = table["type"].value_or(string("none"));
   const string known = " type inflate center radius semi_axes lower upper normal offset of ";
   for (const auto& [name, value] : table) {
@@ -296,48 +258,67 @@ Region read_region(const toml::table& table) {
     if (known.find(" " + key + " ") == known.npos || (key == "inflate" && value.value_or(1.0) != 0.0))
       fail("a region with " + key + ", which this program cannot check");
   }
-  if (type == "none") return [](const Intervals&) { return -at(-INFINITY); };
-  if (type == "ball" || type == "ellipsoid") {  // sum ((x_i - center_i) / radius_i)^2 - 1
-    const Numbers center = list(table, "center");
-    const Numbers radii =
-        type == "ball" ? Numbers(center.size(), scalar(table, "radius")) : list(table, "semi_axes");
+  const auto numbers = [&](const char* key) {
+    Numbers found = list(table, key);
+    return found.size() == n ? found : throw std::runtime_error(string("found no n numbers ") + key);
+  };
+  Region region{{}, Balls(n, infinity(-1.0)), Balls(n, infinity(1.0))};
+  if (type == "none") {
+    region = {[](const Balls&) { return Ball(1.0); }, region.upper, region.lower};
+  } else if (type == "ball" || type == "ellipsoid") {  // sum ((x_i - center_i) / radius_i)^2 - 1
+    const Numbers center = numbers("center"),
+                  radii = type == "ball" ? Numbers(n, scalar(table, "radius")) : numbers("semi_axes");
     if (!(*std::min_element(radii.begin(), radii.end()) > 0.0)) fail("a radius that is not positive");
-    return [=](const Intervals& x) {
-      Interval sum = at(-1.0);
-      for (size_t d = 0; d < x.size(); ++d) {
-        const Interval u = (x[d] - at(center.at(d))) * positive_inverse(at(radii.at(d)));
-        const double least = max(max(-u.upper, -u.minus_lower), 0.0);  // of |u|
-        sum = sum + Interval{(u * u).upper, -least * least};
+    for (size_t d = 0; d < n; ++d) {
+      region.lower[d] = Ball(center[d]) - radii[d];
+      region.upper[d] = Ball(center[d]) + radii[d];
+    }
+    region.level = [=](const Balls& x) {
+      Ball sum(-1.0);
+      for (size_t d = 0; d < n; ++d) {
+        const Ball u = (x[d] - center[d]) / radii[d];
+        sum = sum + u * u;
       }
       return sum;
     };
-  }
-  if (type == "box")
-    return [lower = list(table, "lower"), upper = list(table, "upper")](const Intervals& x) {
-      Interval most = at(-INFINITY);
-      for (size_t d = 0; d < x.size(); ++d) {
-        if (lower.at(d) > -INFINITY) most = maximum(most, at(lower[d]) - x[d]);
-        if (upper.at(d) < INFINITY) most = maximum(most, x[d] - at(upper[d]));
+  } else if (type == "box") {
+    const Numbers lower = numbers("lower"), upper = numbers("upper");
+    region.lower.assign(lower.begin(), lower.end());
+    region.upper.assign(upper.begin(), upper.end());
+    region.level = [=](const Balls& x) {
+      Ball most(-1e300);
+      for (size_t d = 0; d < n; ++d) {
+        if (lower[d] > -INFINITY) most = greatest(most, Ball(lower[d]) - x[d]);
+        if (upper[d] < INFINITY) most = greatest(most, x[d] - upper[d]);
       }
       return most;
     };
-  if (type == "halfspace")
-    return [normal = list(table, "normal"), offset = scalar(table, "offset")](const Intervals& x) {
-      Interval sum = at(-offset);
-      for (size_t d = 0; d < x.size(); ++d) add_multiple(normal.at(d), x[d], sum);
-      return sum;
+  } else if (type == "halfspace") {
+    const Numbers normal = numbers("normal");
+    region.level = [weights = Balls(normal.begin(), normal.end()), offset = Ball(-scalar(table, "offset"))](
+                       const Balls& x) { return dot(offset, weights.data(), x.data(), x.size()); };
+  } else {
+    std::vector<Region> parts;
+    if (const toml::array* of = table["of"].as_array())
+      for (const toml::node& node : *of) parts.push_back(read_region(*node.as_table(), n));
+    if (parts.empty() || (type != "union" && type != "intersection" && type != "complement"))
+      fail("a region of type " + type + ", which this program cannot check");
+    const bool joined = type == "union";
+    for (size_t d = 0; d < n && type != "complement"; ++d) {
+      region.lower[d] = parts[0].lower[d];
+      region.upper[d] = parts[0].upper[d];
+      for (const Region& part : parts) {
+        region.lower[d] = (joined ? least : greatest)(region.lower[d], part.lower[d]);
+        region.upper[d] = (joined ? greatest : least)(region.upper[d], part.upper[d]);
+      }
+    }
+    region.level = [type, parts, joined](const Balls& x) {  // the least, the greatest, the negated level
+      Ball level = parts[0].level(x);
+      for (const Region& part : parts) level = (joined ? least : greatest)(level, part.level(x));
+      return type == "complement" ? -level : level;
     };
-  std::vector<Region> parts;
-  if (const toml::array* of = table["of"].as_array())
-    for (const toml::node& node : *of) parts.push_back(read_region(*node.as_table()));
-  if (parts.empty() || (type != "union" && type != "intersection" && type != "complement"))
-    fail("a region of type " + type + ", which this program cannot check");
-  return [type, parts](const Intervals& x) {  // the least, the greatest, the negated level
-    Interval level = parts[0](x);
-    for (const Region& part : parts)
-      level = type == "union" ? -maximum(-level, -part(x)) : maximum(level, part(x));
-    return type == "complement" ? -level : level;
-  };
+  }
+  return region;
 }
 // The conditions that boxes are asked for: their names in the file, and what they say.
 constexpr const char* conditions[][2] = {{"lyapunov_decrease", "Vdot < 0 but at the goal"},
@@ -354,6 +335,7 @@ struct Claim {
   Numbers goal;  // [n] both regions stand in x = goal + scale z, z normalised
   double scale = 1.0;
   string text;                 // the file's own words for the problem
+  bool is_executed = false;    // it also names errors with which a robot executes the motion
   std::vector<Numbers> cover;  // bytes for each of the conditions; none in a run file
 };
 string read_bytes(const string& path) {
@@ -419,30 +401,27 @@ Network read_network(const File& file, const string& group, string& hashed) {
   add_text(network.head == "zero_at_origin" ? "anchored" : network.head);
   add(network.quadratic);
   add(count);
-  double growth = 1.0 + network.quadratic;
   for (size_t k = 0, inputs = static_cast<size_t>(file.number("/data", "dimension")); k < count; ++k) {
     const string index = std::to_string(k), activation = file.text(group, "activation_" + index);
     if (activation != "tanh" && activation != "identity")
       fail("the activation " + activation + ", which this program cannot check");
     const Numbers weight = file.array(group + "/weight_" + index);
     const size_t rows = inputs == 0 ? 0 : weight.size() / inputs;
-    Layer layer{{}, {}, activation == "tanh"};
+    Layer layer{{}, {}, activation == "tanh", {}};
     if (file.holds(group + "/bias_" + index)) layer.bias = file.array(group + "/bias_" + index);
     if (rows == 0 || rows * inputs != weight.size() || (!layer.bias.empty() && layer.bias.size() != rows))
       fail("weights of " + group + " that do not fit together");
     for (auto from = weight.begin(); from != weight.end(); from += long(inputs))
-      layer.weight.emplace_back(from, from + long(inputs));
+      layer.weight.emplace_back(from, from + long(inputs)),
+          layer.balls.emplace_back(from, from + long(inputs));
     add_text(activation);
     for (const size_t size : {rows, inputs, layer.bias.size()}) add(size);
-    double sum = 1.0;
     for (const Numbers* numbers : {&weight, &std::as_const(layer.bias)})
-      for (const double number : *numbers) add(number), sum += fabs(number);
-    growth *= sum;
+      for (const double number : *numbers) add(number);
     inputs = rows;
     network.layers.push_back(std::move(layer));
   }
-  // Below this and with coordinates below 1e6 nothing overflows but the forms' rests, and those are only added to.
-  if (!(growth <= 1e25) || count == 0) fail("no weights of " + group + ", or too large ones");
+  if (count == 0) fail("no weights of " + group);
   return network;
 }
 // Throws one line on a file that is no such file or that this program cannot check.
@@ -461,22 +440,24 @@ Claim read_claim(const string& path) {
   claim.workspace = {list(problem, "workspace_lower"), list(problem, "workspace_upper")};
   claim.inner = {list(problem, "contained_lower"), list(problem, "contained_upper")};
   claim.level_band = scalar(problem, "level_band");
-  claim.initial = read_region(need<toml::table>(problem, "initial"));
-  claim.unsafe = read_region(need<toml::table>(problem, "unsafe"));
   const size_t n = claim.workspace.lower.size();
+  claim.initial = read_region(need<toml::table>(problem, "initial"), n);
+  claim.unsafe = read_region(need<toml::table>(problem, "unsafe"), n);
+  claim.is_executed = scope.contains("execution");
   for (size_t d = 0; d < n; ++d) {
     const double low = claim.workspace.lower[d], high = claim.workspace.upper.at(d);
-    if (!(low < 0.0 && high > 0.0 && high - low <= 1e6 && claim.inner.lower.at(d) >= low &&
+    if (!(low < 0.0 && high > 0.0 && high - low < INFINITY && claim.inner.lower.at(d) >= low &&
           claim.inner.upper.at(d) <= high))
-      fail("a workspace without the goal, or beyond 1e6, or not around the inner one");
+      fail("a workspace without the goal, or without bounds, or not around the inner one");
   }
   const bool in_data = problem["frame"].value_or(string()) == "data";
   claim.goal = in_data ? list(frame, "goal") : Numbers(n);
   claim.scale = in_data ? scalar(frame, "position_scale") : 1.0;
   if (!(claim.level_band >= 0.0 && claim.scale > 0.0 && claim.scale < INFINITY && claim.goal.size() == n))
     fail("a band, a goal or a scale that is none");
-  if (claim.f.inputs() != n || claim.f.outputs() != n || claim.B.outputs() != 1 || n > most_dimensions)
-    fail("networks and a workspace of different dimensions, or of more than 4");
+  if (claim.f.inputs() != n || claim.f.outputs() != n || claim.V.inputs() != n || claim.B.inputs() != n ||
+      claim.B.outputs() != 1)
+    fail("networks and a workspace of different dimensions");
   if (file.holds("/cover")) {
     if (!file.is_whole) fail("no SHA-256 at the end of a proof");
     for (const auto& condition : conditions)
@@ -487,7 +468,6 @@ Claim read_claim(const string& path) {
 // Whether the exported policy holds every bias, row or column of weights of f, V and B, those of a layer in their order: as
 // doubles or floats in memory's form (ONNX, TorchScript, pt2) or as numbers in a text (C++ header; floats end with F).
 bool carries_weights(const string& policy, const Claim& claim) {
-  std::fesetround(FE_TONEAREST);  // as whoever rounded them to float
   const auto image = [](const Numbers& of, bool single) {
     const std::vector<float> rounded(of.begin(), of.end());
     const void* from = single ? static_cast<const void*>(rounded.data()) : of.data();
@@ -549,7 +529,6 @@ std::vector<Box> starting_boxes(const Claim& claim, size_t condition) {
     const size_t place = bit++;
     return (static_cast<int>(bytes[place / 8]) >> (7 - place % 8) & 1) == 1;
   };
-  std::fesetround(FE_TONEAREST);  // the same halves as whoever wrote the file
   double width = 0.0;
   for (Box box; !open.empty();) {
     box = std::move(open.back());
@@ -560,67 +539,82 @@ std::vector<Box> starting_boxes(const Claim& claim, size_t condition) {
     else
       next(), ends.push_back(std::move(box));
   }
-  round_up();
   while (bit % 8 != 0 || bit < 8 * bytes.size())
     if (bit % 8 == 0 || next()) fail("bits behind the end of a cover");
   return ends;
 }
-// Shows a condition on boxes that cover those of `open`, and counts them. Returns a box that stays open.
-Box cover(std::vector<Box> open, const std::function<bool(const Box&)>& is_shown, long& boxes) {
+// Shows on boxes that cover those of `open` that a quantity is negative, and counts them. Returns a box that stays open.
+Box cover(std::vector<Box> open, const std::function<Ball(const Box&)>& enclose, long& boxes) {
   for (double width = 1.0; !open.empty(); ++boxes) {
-    const Box box = std::move(open.back());
+    std::vector<Box> parts = {std::move(open.back())};
     open.pop_back();
-    if (is_shown(box)) continue;
-    for (const Box& part : halves(box, width)) open.push_back(part);
-    if (width < 1e-9) return box;
+    const Ball found = enclose(parts[0]);
+    if (found.is_negative()) continue;
+    // Where the radius is large, one bisection would not do: one for each axis.
+    const bool large =
+        mag_get_d(arb_radref(found.ball)) > -2.0 * arf_get_d(arb_midref(found.ball), ARF_RND_NEAR);
+    for (size_t k = large ? parts[0].lower.size() : 1; k > 0; --k) {
+      std::vector<Box> smaller;
+      for (const Box& part : parts)
+        for (const Box& of : halves(part, width)) smaller.push_back(of);
+      parts = std::move(smaller);
+    }
+    open.insert(open.end(), parts.begin(), parts.end());
+    if (width < 1e-9) return parts[0];
   }
   return {};
 }
-// For |x|_inf <= half, f(x) = A x and N(x) - N(0) = P x with A, P in the Jacobians' enclosures, so that Vdot = x' M x with
-// M = 2 (P' P + quadratic I) A. Negative definite if every pivot of -(M + M') is positive.
-bool decreases_around_goal(const Network& f, const Network& V, double half) {
+class Matrix {  // [rows][columns] of balls
+ public:
+  Matrix(size_t rows, size_t columns) { arb_mat_init(all, slong(rows), slong(columns)); }
+  Matrix(const Matrix&) = delete;
+  Matrix& operator=(const Matrix&) = delete;
+  ~Matrix() { arb_mat_clear(all); }
+  arb_ptr at(size_t i, size_t k) { return arb_mat_entry(all, slong(i), slong(k)); }
+  arb_mat_t all;
+};
+// For |x|_inf <= edge, f(x) = A x and N(x) - N(0) = P x with A, P in the Jacobians' enclosures, so that Vdot = x' M x with
+// M = 2 (P' P + quadratic I) A. Negative definite if -(M + M') has a Cholesky factor.
+bool decreases_around_goal(const Network& f, const Network& V, double edge) {
   const size_t n = f.inputs();
-  const Box cube{Numbers(n, -half), Numbers(n, half)};
-  const auto jacobian = [&](const Network& of) {
-    std::vector<Intervals> j(of.outputs(), Intervals(n));
-    for (size_t k = 0; k < n; ++k) {
-      Tape tape(cube);
-      const size_t direction = tape.size();
-      for (size_t d = 0; d < n; ++d) tape.given(at(d == k ? 1.0 : 0.0));
-      const size_t rate = apply(of, tape, direction).second;
-      for (size_t i = 0; i < j.size(); ++i) j[i][k] = tape.rough_range(rate + i);
+  const Place cube({Numbers(n, -edge), Numbers(n, edge)});
+  const auto set_jacobian = [&](const Network& of, Matrix& j) {
+    const Functions u = apply(of, cube, 2);
+    for (size_t i = 0; i < of.outputs(); ++i) {
+      const Balls gradient = u.gradient_over(i);
+      for (size_t k = 0; k < n; ++k) arb_set(j.at(i, k), gradient[k].ball);
     }
-    return j;
   };
-  const auto add_product = [n](const Interval& a, const Intervals& b, Intervals& sum) {
-    for (size_t k = 0; k < n; ++k) sum[k] = sum[k] + a * b[k];
-  };
-  const std::vector<Intervals> A = jacobian(f), P = jacobian(V);
-  std::vector<Intervals> G(n, Intervals(n)), M = G, S = G;
-  for (size_t i = 0; i < n; ++i) {
-    G[i][i] = at(V.quadratic);
-    for (const Intervals& row : P) add_product(row[i], row, G[i]);
-    for (size_t l = 0; l < n; ++l) add_product(G[i][l], A[l], M[i]);
-  }
-  for (size_t i = 0; i < n; ++i)
-    for (size_t k = 0; k < n; ++k) S[i][k] = -(M[i][k] + M[k][i]);
-  for (size_t k = 0; k < n; ++k) {
-    if (!(-S[k][k].minus_lower > 0.0)) return false;
-    for (size_t i = k + 1; i < n; ++i) add_product(-(S[i][k] * positive_inverse(S[k][k])), S[k], S[i]);
-  }
-  return true;
+  Matrix A(n, n), P(V.outputs(), n), transposed(n, V.outputs()), G(n, n), M(n, n), S(n, n);
+  set_jacobian(f, A);
+  set_jacobian(V, P);
+  arb_mat_transpose(transposed.all, P.all);
+  arb_mat_mul(G.all, transposed.all, P.all, bits);
+  for (size_t d = 0; d < n; ++d) arb_add(G.at(d, d), G.at(d, d), Ball(V.quadratic).ball, bits);
+  arb_mat_mul(M.all, G.all, A.all, bits);
+  arb_mat_transpose(S.all, M.all);
+  arb_mat_add(S.all, S.all, M.all, bits);
+  arb_mat_neg(S.all, S.all);
+  return arb_mat_cho(M.all, S.all, bits) != 0;  // of all matrices in S
+}
+// x = goal + scale z, in the regions' frame.
+Ball placed(const Claim& claim, size_t d, const Ball& z) {
+  return Ball(claim.goal[d]) + Ball(claim.scale) * z;
 }
 // Whether the region has no point in the box.
 bool misses(const Claim& claim, const Region& region, const Box& box) {
-  Intervals x;
-  for (size_t d = 0; d < box.lower.size(); ++d) {
-    x.push_back(at(claim.goal[d]));
-    add_multiple(claim.scale, {box.upper[d], -box.lower[d]}, x[d]);
-  }
-  return -region(x).minus_lower > 0.0;
+  Balls x;
+  for (size_t d = 0; d < box.lower.size(); ++d)
+    x.push_back(placed(claim, d, hull(box.lower[d], box.upper[d])));
+  return region.level(x).is_positive();
+}
+// V's or B's rate on the box.
+Ball rate_range(const Claim& claim, const Network& of, const Place& place) {
+  const Functions u = apply(of, place, 2);
+  return rate_range(of.head == "plain" ? u : squared_norm(u, of.outputs(), of.quadratic, place), claim.f,
+                    place);
 }
 bool run(const string& path, const std::vector<string>& policies) {
-  round_up();
   Claim claim = read_claim(path);
   for (Network* network : {&claim.f, &claim.V, &claim.B}) find_offset(*network);
   const Network &f = claim.f, &V = claim.V, &B = claim.B;
@@ -642,43 +636,47 @@ bool run(const string& path, const std::vector<string>& policies) {
   };
   const Numbers origin(f.inputs());
   const Box around{Numbers(f.inputs(), -cube), Numbers(f.inputs(), cube)};
-  const auto level = [&](const Box& box) { return value_range(B, box); };
-  const auto rate = [&](const Network& of, const Box& box) { return rate_range(of, f, box).upper; };
-  const double band = claim.level_band;
-  const auto beyond_band = [&](Interval b) { return -b.minus_lower > band || -b.upper > band; };
-  const auto negative = [](double x) {
-    return x < 0.0 && x > -1e100;
-  };  // nor NaN, nor what may have overflowed
-  const std::function<bool(const Box&)> is_shown[] = {
-      [&](const Box& box) { return within(box, around) || negative(rate(V, box)); },
-      [&](const Box& box) { return misses(claim, claim.initial, box) || negative(level(box).upper); },
-      [&](const Box& box) { return misses(claim, claim.unsafe, box) || negative(level(box).minus_lower); },
-      [&](const Box& box) { return within(box, claim.inner) || negative(level(box).minus_lower); },
-      [&](const Box& box) { return beyond_band(level(box)) || negative(rate(B, box)); }};
+  const Ball band(claim.level_band);
+  const auto level = [&](const Box& box) { return apply(B, Place(box), 2).value_over(0); };
+  const Ball shown(-1.0);
+  const std::function<Ball(const Box&)> negative[] = {
+      [&](const Box& box) { return within(box, around) ? shown : rate_range(claim, V, Place(box)); },
+      [&](const Box& box) { return misses(claim, claim.initial, box) ? shown : level(box); },
+      [&](const Box& box) { return misses(claim, claim.unsafe, box) ? shown : -level(box); },
+      [&](const Box& box) { return within(box, claim.inner) ? shown : -level(box); },
+      [&](const Box& box) {
+        const Place place(box);
+        const Functions u = apply(B, place, 2);
+        const Ball b = u.value_over(0);
+        return is_below(band, b) || is_below(b, -band) ? shown : rate_range(u, f, place);
+      }};
   std::array<long, std::size(conditions)> boxes{};
   std::array<std::future<Box>, std::size(conditions)> open;
   for (size_t k = 0; k < open.size(); ++k)
-    open[k] = std::async(std::launch::async, [&, k] {
-      return round_up(), cover(starting_boxes(claim, k), is_shown[k], boxes[k]);
-    });
+    open[k] = std::async(std::launch::async,
+                         [&, k] { return cover(starting_boxes(claim, k), negative[k], boxes[k]); });
   for (size_t k = 0; k < open.size(); ++k) {
     const Box left = open[k].get();
     say(conditions[k][1], left.lower.empty(), boxes[k]);
     for (const double x : left.lower) std::printf("  open at %.9g\n", x);
   }
-  say("B(0) <= 0", level({origin, origin}).upper <= 0.0);
-  bool inside = true;  // the initial set has no point beyond any face of the workspace
+  say("B(0) <= 0", arb_is_nonpositive(level({origin, origin}).ball) != 0);
+  bool inside = true;
   for (size_t d = 0; d < origin.size(); ++d) {
-    Box above{Numbers(origin.size(), -1e300), Numbers(origin.size(), 1e300)}, below = above;
-    above.lower[d] = std::nextafter(claim.workspace.upper[d], INFINITY);
-    below.upper[d] = std::nextafter(claim.workspace.lower[d], -INFINITY);
-    inside = inside && misses(claim, claim.initial, above) && misses(claim, claim.initial, below);
+    const Ball lower = placed(claim, d, claim.workspace.lower[d]),
+               upper = placed(claim, d, claim.workspace.upper[d]);
+    inside = inside && arb_le(lower.ball, claim.initial.lower[d].ball) != 0 &&
+             arb_le(claim.initial.upper[d].ball, upper.ball) != 0;
   }
   say("the initial set lies in the workspace", inside);
   if (all)
     std::printf(
         "Checked: every motion xdot = f(x) that starts in {B <= 0} stays in it for ever, never touches the "
         "unsafe set, and converges to the goal; the initial set lies in {B <= 0}.\n");
+  if (claim.is_executed)
+    std::printf(
+        "Not checked: [execution]. This is of xdot = f(x) alone, not of the motion as a robot executes "
+        "it.\n");
   for (const string& policy : policies) say("weights in " + policy, carries_weights(policy, claim));
   return all;
 }
