@@ -6,7 +6,8 @@
 
 Reads the sweep's axes, settings, configurations, seeds, objective and guarantee; the design is Optuna's. A trial is one
 point on every configuration and seed; its value is the objective's geometric mean, its constraint the share of runs
-that count. The study lies in FOLDER/optuna.db, every run beside it; the same command goes on. Needs optuna (pip).
+that count. A run that ends with conformal verification gets its beta divided by the number of runs, so that what is said of
+the chosen one is wrong with a probability of at most beta. The study lies in FOLDER/optuna.db, every run beside it; the same command goes on. Needs optuna (pip).
 """
 
 import argparse
@@ -74,6 +75,32 @@ def counts(sweep, summary):
     return near and GUARANTEES.index(summary["guarantee"]) >= GUARANTEES.index(sweep.get("guarantee", "none"))
 
 
+def without_quotes(value):
+    return value.strip().strip("\"'")
+
+
+def conformal_settings(options, config, settings):
+    """The run's share of beta as a setting; none when the run does not end with conformal verification."""
+    with open(config, "rb") as file:
+        written = tomllib.load(file)
+    words = {key.strip(): value for key, value in (setting.split("=", maxsplit=1) for setting in settings)}
+
+    def value(key, otherwise):
+        if key in words:
+            return without_quotes(words[key])
+        table = written
+        for name in key.split("."):
+            table = table.get(name, {}) if isinstance(table, dict) else {}
+        return otherwise if table == {} else table
+
+    keys = json.loads(subprocess.run([options.program, "keys"], capture_output=True, text=True, check=True).stdout)
+    defaults = {key["key"]: without_quotes(key.get(value("profile", "robust"), key["default"])) for key in keys}
+    if value("verification.method", defaults["verification.method"]) != "conformal":
+        return []
+    beta = float(value("verification.conformal.beta", defaults["verification.conformal.beta"]))
+    return [f"verification.conformal.beta={beta / options.runs!r}"]
+
+
 def evaluate(trial, sweep, options):
     """(objective, share of the runs that count); an objective of None: nothing to tell."""
     settings = list(sweep.get("set", []))
@@ -85,7 +112,11 @@ def evaluate(trial, sweep, options):
         for seed in sweep.get("seeds", [0]):
             run = os.path.join(options.out, f"{trial.number:05d}-{count}.h5")
             count += 1
-            summary = train(options, os.path.join(os.path.dirname(options.sweep), config), seed, settings, run)
+            path = os.path.join(os.path.dirname(options.sweep), config)
+            share_of_beta = conformal_settings(options, path, settings)
+            if share_of_beta:
+                trial.study.set_user_attr("beta_split_over", options.runs)
+            summary = train(options, path, seed, settings + share_of_beta, run)
             if summary is None or summary.get(sweep["objective"]) is None:
                 continue
             values.append(summary[sweep["objective"]])
@@ -123,6 +154,11 @@ def main():
             seed=sweep.get("design_seed", 0), constraints_func=lambda trial: (wanted_share - trial.user_attrs.get("share", 0.0),)
         ),
     )
+    options.runs = options.trials * len(sweep["configs"]) * len(sweep.get("seeds", [0]))
+    split_over = study.user_attrs.get("beta_split_over", options.runs)
+    if options.runs > split_over:
+        sys.exit(f"optuna_sweep.py: found {options.runs} runs, but beta was split over {split_over}; expected no more trials")
+    options.runs = split_over
     ended = len([trial for trial in study.trials if trial.state.is_finished()])
     for _ in range(max(0, options.trials - ended)):
         trial = study.ask()

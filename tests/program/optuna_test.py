@@ -7,9 +7,11 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 import unittest
 
 import command_line
+import h5py
 from command_line import PROJECT
 from sweep_test import SweepTest, sweep_text
 
@@ -44,6 +46,25 @@ class OptunaTest(SweepTest):
         self.assertEqual((best["mse_validation"], best["trial"]), (min(errors), errors.index(min(errors))))
         self.assertIn(best["settings"]["networks.f.hidden"], ("[8]", "[4, 4]"))
         self.assertIn(best["settings"]["training.steps"], range(5, 10))
+
+    def test_conformal_runs_share_beta(self):
+        axes = '"training.rate_f" = [1e-3, 2e-3]'
+        self.write(sweep_text(axes, changes={"verification.method": '"conformal"', "verification.conformal.beta": 0.02}))
+        self.optuna(3)
+        for run in (name for name in os.listdir(self.path("study")) if name.endswith(".h5")):
+            with h5py.File(self.path(f"study/{run}")) as file:
+                config = tomllib.loads(file["config/resolved"][()].decode())
+            self.assertAlmostEqual(config["verification"]["conformal"]["beta"], 0.02 / 6)
+        self.optuna(2)  # nothing is left to do
+        script = self.optuna(4, code=1)
+        self.assertEqual(script, "")
+
+    def test_other_runs_keep_beta(self):
+        self.write(sweep_text('"training.rate_f" = [1e-3, 2e-3]', seeds="[0]"))
+        self.optuna(1)
+        with h5py.File(self.path("study/00000-0.h5")) as file:
+            config = tomllib.loads(file["config/resolved"][()].decode())
+        self.assertEqual(config["verification"]["conformal"]["beta"], 1e-4)
 
     def test_no_trial_that_counts_is_code_3(self):
         self.write(sweep_text(seeds="[0]", dtw_limit=1e-9))
