@@ -6,6 +6,7 @@
 """
 
 import contextlib
+import hashlib
 import io
 import math
 import os
@@ -66,6 +67,14 @@ def demonstration(n, k):
     )
     velocity = np.gradient(position, time, axis=0)
     return time, position, velocity / np.abs(velocity).max()
+
+
+def with_digest(path):
+    """Ends the file as the program does."""
+    with open(path, "rb") as file:
+        digest = hashlib.sha256(file.read()).hexdigest()
+    with open(path, "a", encoding="ascii") as file:
+        file.write(f"\ns2nnds-sha256 {digest}\n")
 
 
 def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invariant", count=None):
@@ -184,6 +193,7 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
             group["B"] = np.maximum(edge, 0.27 - distance - 0.1 * (points[..., 0] - centre[0]))
             group["V"] = V(points.reshape(-1, n)).reshape(points.shape[:-1])
             group["velocity"] = points @ matrix.T
+    with_digest(path)
 
 
 def value_by_loops(network, x):
@@ -342,8 +352,28 @@ class ReaderTest(TemporaryFolder):
             Run(path)
             with h5py.File(path, "r+") as file:
                 edit(file[name])
+            with_digest(path)
             with self.assertRaisesRegex(RunError, "its certificate speaks of", msg=name):
                 Run(path)
+
+    def test_a_certified_run_that_was_written_to_is_refused(self):
+        path = self.path("edited.h5")
+        edits = {
+            "certificate": lambda item: item.attrs.__setitem__("disturbance_margin", 0.5),
+            "problem": lambda item: item.attrs.__setitem__("unsafe", "none"),
+            "config": lambda item: item.attrs.__setitem__("note", "other"),
+            "certificate/conditions/0": lambda item: item.attrs.__setitem__("verdict", "proved"),
+        }
+        for name, edit in edits.items():
+            synthetic_run(path)
+            with h5py.File(path, "r+") as file:
+                edit(file[name])
+            with self.assertRaisesRegex(RunError, "something else than the program has written to", msg=name):
+                Run(path)
+        synthetic_run(path, guarantee="none")
+        with h5py.File(path, "r+") as file:
+            file["certificate"].attrs["disturbance_margin"] = 0.5
+        self.assertEqual(Run(path).guarantee, "none")
 
     def test_in_the_datas_unit_everything_shares_one_frame(self):
         synthetic_run(self.path("run.h5"), open_boxes=5)
@@ -524,6 +554,7 @@ class PlotTest(TemporaryFolder):
             file["grid/V"][...] -= 0.5
             file["grid/unsafe"][...] = np.nan
             file["history/loss"][...] = np.nan
+        with_digest(self.path("run.h5"))
         self.figures(["phase_portrait", "lyapunov", "history"])
 
     def test_the_readmes_picture_is_of_an_invariant_run_only(self):

@@ -242,10 +242,10 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   check(arguments.artifact.empty() || method == Method::proof,
         "verify: found --artifact with --method {}, expected proof", arguments.method);
   if (!arguments.artifact.empty()) check_writable(arguments.artifact);
-  if (!record.certificate.conditions.empty() &&
-      record.certificate.scope != certified_scope(setup, record.networks)) {
-    spdlog::warn("{}: its certificate spoke of other weights or another problem; a new one begins",
-                 arguments.run);
+  if (!record.certificate.conditions.empty() && !is_intact(setup, record)) {
+    spdlog::warn(
+        "{}: its certificate spoke of other weights or another problem, or was changed; a new one begins",
+        arguments.run);
   }
   check(arguments.speed.empty() || (method == Method::proof && !setup.config.execution.is_ideal()),
         "verify --speed: expected --method proof and an execution model in the configuration or by --set "

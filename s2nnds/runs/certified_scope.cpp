@@ -80,6 +80,11 @@ bool same_words(const RunProblem& a, const RunProblem& b) {
          a.workspace.lower == b.workspace.lower && a.workspace.upper == b.workspace.upper;
 }
 
+bool is_of_the_run(const PreparedRun& setup, const RunRecord& record) {
+  return record.certificate.scope == certified_scope(setup, record.networks) &&
+         same_words(record.problem, new_record(setup, "").problem);
+}
+
 bool claims_anything(const Certificate& certificate) {
   return certificate.guarantee != Guarantee::none || !certificate.conditions.empty();
 }
@@ -111,16 +116,18 @@ void seal_certificate(const PreparedRun& setup, RunRecord& record) {
   record.certificate.seal = seal_of(record.certificate);
 }
 
+bool is_intact(const PreparedRun& setup, const RunRecord& record) {
+  return is_of_the_run(setup, record) && record.certificate.seal == seal_of(record.certificate);
+}
+
 void check_certificate(const RunRecord& record, const std::string& path) {
-  const Certificate& certificate = record.certificate;
-  if (!claims_anything(certificate)) return;
+  if (!claims_anything(record.certificate)) return;
   const PreparedRun setup = prepare(record);
-  check(certificate.scope == certified_scope(setup, record.networks) &&
-            same_words(record.problem, new_record(setup, "").problem),
+  check(is_of_the_run(setup, record),
         "{}: found weights, a problem or data other than those that its certificate speaks of; "
         "`s2nnds verify` makes a new one",
         path);
-  check(certificate.seal == seal_of(certificate),
+  check(is_intact(setup, record),
         "{}: found a certificate whose figures were changed; `s2nnds verify` makes a new one", path);
 }
 

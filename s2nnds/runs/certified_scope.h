@@ -15,6 +15,9 @@ std::string certified_scope(const PreparedRun& setup, const Networks& networks);
 // Binds the certificate to the run: its scope, and a seal over both and all its figures.
 void seal_certificate(const PreparedRun& setup, RunRecord& record);
 
+// Whether the certificate is of these networks and this problem, and is as it was sealed.
+bool is_intact(const PreparedRun& setup, const RunRecord& record);
+
 // Throws Error starting with `path` when the run's certificate claims or found anything, but not of the networks, the
 // problem and the data that the run holds, or when a figure of it was changed. A seal is no signature: it notices what
 // was edited or mixed up, not a forger.

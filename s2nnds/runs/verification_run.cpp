@@ -104,11 +104,13 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
             const ProofProgress& progress, ProofCovers* covers) {
   const Stopwatch watch;
   Certificate& certificate = record.certificate;
-  // What was found of other weights or of another problem is void. The conformal attempts go on being counted.
-  if (certificate.scope != certified_scope(setup, record.networks)) {
+  // What was found of other weights or of another problem is void, and so is what was changed since. The conformal
+  // attempts go on being counted.
+  if (!is_intact(setup, record)) {
     const std::int64_t attempts = certificate.attempts;
     certificate = {};
     certificate.attempts = attempts;
+    record.problem = new_record(setup, "").problem;
   }
   certificate.weight_hash = weight_hash(record.networks);
   certificate.level_band = setup.config.training.level_band;

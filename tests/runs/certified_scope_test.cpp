@@ -98,5 +98,40 @@ TEST_F(CertifiedScope, VerifyingAnEditedRunBeginsANewCertificate) {
   EXPECT_NO_THROW(check_certificate(record, "run.h5"));
 }
 
+// Else a weak method would seal what nobody has shown.
+TEST_F(CertifiedScope, VerifyingAnEditedCertificateBeginsANewOne) {
+  const std::vector<std::function<void(RunRecord&)>> edits = {
+      [](RunRecord& run) { run.certificate.disturbance_margin = 0.5; },
+      [](RunRecord& run) { run.certificate.execution.invariant = true; },
+      [](RunRecord& run) { run.certificate.barrier_float32_error = 0.0; },
+      [](RunRecord& run) { run.certificate.seal.clear(); },
+      [](RunRecord& run) { run.problem.unsafe = "ball centre (9, 9) radius 0.1"; },
+      [](RunRecord& run) {
+        for (ConditionVerdict found : run.certificate.conditions) {
+          found.method = Method::proof;
+          found.verdict = Verdict::proved;
+          run.certificate.conditions.push_back(found);
+        }
+        run.certificate.side = {true, true, true, true};
+      }};
+  const PreparedRun setup = prepare(record);
+  VerificationOptions options = setup.config.verification;
+  options.sampled.samples = 1000;
+  const std::size_t conditions = record.certificate.conditions.size();
+  for (std::size_t k = 0; k < edits.size(); ++k) {
+    RunRecord edited = record;
+    edits[k](edited);
+    EXPECT_FALSE(is_intact(setup, edited)) << k;
+    verify(setup, edited, Method::sampled, options);
+    EXPECT_EQ(edited.certificate.guarantee, record.certificate.guarantee) << k;
+    EXPECT_EQ(edited.certificate.disturbance_margin, 0.0) << k;
+    EXPECT_FALSE(edited.certificate.execution.invariant) << k;
+    EXPECT_GT(edited.certificate.barrier_float32_error, 0.0) << k;
+    EXPECT_EQ(edited.certificate.conditions.size(), conditions) << k;
+    EXPECT_EQ(edited.problem.unsafe, record.problem.unsafe) << k;
+    EXPECT_NO_THROW(check_certificate(edited, "run.h5")) << k;
+  }
+}
+
 }  // namespace
 }  // namespace s2nnds

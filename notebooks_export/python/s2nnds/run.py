@@ -364,15 +364,28 @@ def weight_hash(f, V, B):
     return digest.hexdigest()
 
 
+def _require_unchanged_bytes(path):
+    """The last line of a run file is the SHA-256 of all that stands before it; HDF5 drops it when something is changed."""
+    with open(path, "rb") as file:
+        data = file.read()
+    content, mark, digest = data.rpartition(b"\ns2nnds-sha256 ")
+    _require(
+        mark and digest == hashlib.sha256(content).hexdigest().encode() + b"\n",
+        "found a certified run that something else than the program has written to; `s2nnds verify` makes a new certificate",
+    )
+
+
 class Run:
     """One run file, read whole. Throws RunError when the file is missing, broken or of another schema, and when its
-    certificate claims something of other weights or of another problem than the file holds."""
+    certificate claims something of other weights or of another problem than the file holds, or of a file that was changed."""
 
     def __init__(self, path):
         self.path = str(path)
         try:
             with h5py.File(path, "r") as file:
                 self._read(file)
+            if self.guarantee != "none":
+                _require_unchanged_bytes(path)
         except RunError as error:
             raise RunError(f"{self.path}: {error}") from None
         except (OSError, RuntimeError) as error:
