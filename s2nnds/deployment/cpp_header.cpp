@@ -312,24 +312,28 @@ inline double barrier(const double* x) noexcept {{
   return y;
 }}
 
-// Whether x [dimension] lies in the safe set: the barrier is <= 0, by more than rounding may have lost, and x is inside
-// the workspace. False for NaN.
-inline bool safe(const double* x) noexcept {{
+// Whether x [dimension] lies in the workspace. False for NaN.
+inline bool in_workspace(const double* x) noexcept {{
   for (int i = 0; i < dimension; ++i) {{
     if (!(x[i] >= workspace[i] && x[i] <= workspace[dimension + i])) return false;
   }}
-  return barrier(x) <= -barrier_float64_error;
+  return true;
 }}
+
+// Whether x [dimension] lies in the safe set: the barrier is <= 0, by more than rounding may have lost, and x is inside
+// the workspace. False for NaN.
+inline bool safe(const double* x) noexcept {{ return in_workspace(x) && barrier(x) <= -barrier_float64_error; }}
 
 )";
 
 constexpr const char* kShield =
-    R"(// v [dimension] = v_wanted [dimension], changed so that a robot that moves as `execution` says never leaves the safe
-// set: at the reading x, near its edge, to the nearest of the velocities that lead away from the edge at least as
-// certainly as the motion's own, execution_speed * velocity(x), does; and nowhere to one faster than most_command.
-// Where both limits are met, v is on the way from the nearest one to the motion's own. Returns |v - v_wanted|: 0 deep
-// inside the safe set for velocities within most_command, and wherever the motion's own is wanted. Where v_wanted is
-// not finite, v is the motion's own, and where x is not, v is 0; both return HUGE_VAL.
+    R"(// v [dimension] = v_wanted [dimension], changed so that a robot that moves as `execution` says, and starts in the safe
+// set, never leaves it. v_wanted is first shortened to most_command. Near the edge of the safe set, or outside, it then
+// becomes the nearest of the velocities that lead away from the edge at least as certainly as the motion's own,
+// execution_speed * velocity(x), does; and where that is faster than most_command, one on the way from it to the
+// motion's own. Returns |v - v_wanted|: 0 deep inside the safe set for velocities within most_command, and wherever the
+// motion's own is wanted at a reading of a place in the safe set. Where v_wanted is not finite, or its square is not, v
+// is the motion's own, and where x is not, v is 0; both return HUGE_VAL.
 inline double shield(const double* x, const double* v_wanted, double* v) noexcept {
   constexpr int n = dimension;
   const detail::Normalised<double> at(x);
@@ -353,7 +357,7 @@ inline double shield(const double* x, const double* v_wanted, double* v) noexcep
   const double share = wanted > most_command ? most_command / wanted * (1 - 1e-15) : 1;
   bool changed = share < 1;
   for (int i = 0; i < n; ++i) v[i] = share * v_wanted[i];
-  if (!(barrier(x) < -(shield_band + barrier_float64_error))) {
+  if (!(in_workspace(x) && barrier(x) < -(shield_band + barrier_float64_error))) {
     detail::B_gradient(at.z, gradient);
     double size = 0, distance = 0, along = 0;
     for (int i = 0; i < n; ++i) {
@@ -400,6 +404,7 @@ struct Motion {{
   static constexpr int dimension = {0}::dimension;
   static constexpr double execution_speed = {0}::execution_speed, disturbance_margin = {0}::disturbance_margin;
   static void velocity(const double* x, double* v) noexcept {{ {0}::velocity(x, v); }}
+  static bool in_workspace(const double* x) noexcept {{ return {0}::in_workspace(x); }}
   static bool safe(const double* x) noexcept {{ return {0}::safe(x); }}
 }};
 

@@ -22,7 +22,7 @@ std::string policy_namespace(const std::string& path);
 
 // The policy as one C++17 header for control loops: no dependency but the standard library, no allocation, no
 // exception, no global state but constants. In the namespace `space`:
-// - `velocity(x, v)`, `lyapunov(x)`, `barrier(x)`, `safe(x)` with x [n] a position in the data's unit
+// - `velocity(x, v)`, `lyapunov(x)`, `barrier(x)`, `safe(x)`, `in_workspace(x)` with x [n] a position in the data's unit
 //   and frame, and v [n] in that unit per second: f, V, B and {B <= 0} within the workspace. NaN
 //   in gives NaN (and not safe) out. V and B are computed in double whatever the precision, so that `safe`
 //   decides as the certified barrier does but for rounding in double (some 1e-14 of B);

@@ -42,4 +42,8 @@ Velocity double_policy(int width) {
   }
 }
 
+double shielded_velocity(const double* x, const double* wanted, double* v) noexcept {
+  return policy_width_64::shield(x, wanted, v);
+}
+
 }  // namespace s2nnds::benchmarks

@@ -8,4 +8,7 @@ using Velocity = void (*)(const double* x, double* v) noexcept;
 Velocity float_policy(int width);  // 32, 64, 128 or 256; null for others
 Velocity double_policy(int width);
 
+// The shield of the policy in float of width 64, as at the edge of the safe set.
+double shielded_velocity(const double* x, const double* wanted, double* v) noexcept;
+
 }  // namespace s2nnds::benchmarks

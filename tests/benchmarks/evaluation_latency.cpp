@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The time of single calls of f (2-64-64-64-2), a million of them: the exported header and the TorchScript
-// policy. Prints one JSON object, microseconds. A call's time includes that of reading the clock. Usage:
+// The time of single calls of f (2-64-64-64-2), a million of them: the exported header, its shield where that has to
+// act, and the TorchScript policy. Prints one JSON object, microseconds. A call's time includes that of reading the clock. Usage:
 // evaluation_latency [CALLS]
 #include <fmt/format.h>
 #include <torch/script.h>
@@ -57,6 +57,11 @@ int main(int argc, char** argv) {
   };
   time_calls(json, "eval", calls, header(s2nnds::benchmarks::float_policy(64)));
   time_calls(json, "eval_double", calls, header(s2nnds::benchmarks::double_policy(64)));
+  time_calls(json, "shield", calls, [](const double* x) {
+    const double wanted[2] = {1.0, -0.5 * x[0]};
+    double v[2];
+    return s2nnds::benchmarks::shielded_velocity(x, wanted, v) + v[0];
+  });
   torch::InferenceMode inference;
   s2nnds::set_threads(1);
   torch::jit::Module policy = torch::jit::load(S2NNDS_POLICY_FOLDER "/width_64.pt");

@@ -23,6 +23,10 @@ int main(int argc, char** argv) {
     policy.info.dimension = 2;
     policy.info.goal = {0.0, 0.0};
     policy.info.workspace = {-1.25, -1.25, 1.25, 1.25};
+    policy.info.executed = policy.info.shielded = 1;
+    policy.info.most_command = 2.0;
+    policy.info.shield_band = 1e6;  // so that it always has to act
+    policy.info.shield_cone = 1e-3;
     export_policy(policy, export_format_from("header"), {HeaderPrecision::float32}, stem + ".h");
     export_policy(policy, export_format_from("header"), {HeaderPrecision::float64}, stem + "_double.h");
     export_policy(policy, export_format_from("torchscript"), {}, stem + ".pt");

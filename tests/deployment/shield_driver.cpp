@@ -74,7 +74,11 @@ int main(int, char** arguments) {
   for (long motion = 0; motion < motions; ++motion) {
     Place p{};
     const Place ray = direction();
-    double low = 0, high = 4 * policy::position_scale;
+    double low = 0, high = HUGE_VAL;  // up to the workspace's edge, where the barrier is positive
+    for (int i = 0; i < n; ++i) {
+      const double side = policy::workspace[ray.x[i] > 0 ? n + i : i] - policy::goal[i];
+      if (ray.x[i] != 0) high = std::fmin(high, side / ray.x[i]);
+    }
     const auto along_ray = [&](double length) {
       for (int i = 0; i < n; ++i) p.x[i] = policy::goal[i] + length * ray.x[i];
     };

@@ -8,6 +8,7 @@
     run.V.gradient(x), run.f.jacobian(x)  # [N, n], [N, m, n]
     run.f.torch()                         # the same as a torch.nn.Module
     run.policy()                          # the policy as a torch.nn.Module, in the data's unit
+    run.shield(x, wanted)                 # any wanted velocity made safe, where the certificate has a shield
     run.history["mse"]                    # [rounds]
     run.data.demonstrations               # as read: in the data's unit and frame, time in s
     run.data.normalized                   # the same, normalised: what training saw
@@ -427,6 +428,12 @@ class Run:
         inside = np.all((z >= self.problem.workspace_lower) & (z <= self.problem.workspace_upper), axis=-1)
         return inside & (self.B(z) <= -self.certificate.get("barrier_float64_error", 0.0))
 
+    def shield(self, position, wanted):
+        """(v, change): the wanted velocities [N, n] or [n] made safe (s2nnds.shield.shield), and by how much."""
+        from .shield import shield
+
+        return shield(self, position, wanted)
+
     def in_data_unit(self):
         """A copy with workspace, demonstrations, rollouts, grid and open boxes in the data's unit and frame, times in s.
 
@@ -545,6 +552,7 @@ class Run:
     def _read_certificate(self, file):
         group = file.get("certificate", {})
         self.certificate = {"guarantee": "none", **(_fields(group) if group else {})}
+        self.certificate["execution"] = _fields(group["execution"]) if "execution" in group else {}
         self.certificate["conditions"] = [_fields(item) for item in _numbered(group.get("conditions", {}))]
         if self.guarantee != "none":
             self._check_scope()

@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The shield of a trained policy: Python's and the exported header's answers, and motions behind the latter."""
+
+import os
+import subprocess
+import unittest
+
+import command_line
+import numpy as np
+from command_line import PROJECT, SINE, ProgramTest
+
+MODEL = {"unit": '"normalised"', "period": 0.0005, "delay": 0.0005, "position_error": 0.0002, "velocity_error": 0.004,
+         "velocity_error_relative": 0.001}
+
+
+class ShieldTest(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        from s2nnds import Run
+
+        super().setUpClass()
+        cls.ideal, cls.file = (os.path.join(cls.store, name) for name in ("ideal.h5", "shielded.h5"))
+        cls.command("train", SINE, "--out", cls.ideal, "--until", "certified", "--set", "evaluation.area_cells=20")
+        with open(cls.ideal, "rb") as source, open(cls.file, "wb") as copy:
+            copy.write(source.read())
+        words = [word for key, value in MODEL.items() for word in ("--set", f"execution.{key}={value}")]
+        cls.command("verify", cls.file, "--method", "proof", *words)
+        for precision in ("double", "float"):
+            cls.command("export", cls.file, "--precision", precision, "--out", os.path.join(cls.store, precision + ".h"))
+        cls.run_read = Run(cls.file)
+
+    @classmethod
+    def command(cls, *words):
+        code, _, err = command_line.call(*words, cwd=cls.store)
+        assert code == 0, err
+
+    def compiled(self, driver, precision):
+        program = os.path.join(self.folder, driver + precision)
+        subprocess.run(
+            ["g++", "-std=c++17", "-O2", "-march=native", "-I", self.store, f'-DPOLICY_HEADER="{precision}.h"',
+             f"-DPOLICY_NAMESPACE=policy_{precision}", os.path.join(PROJECT, "tests/deployment", driver + ".cpp"), "-o",
+             program],
+            check=True,
+        )
+        return program
+
+    def readings_and_wishes(self, count):
+        """All over the workspace and at the edge of the safe set; from far too slow to far too fast."""
+        run, random = self.run_read, np.random.default_rng(1)
+        x = run.data.to_data(random.uniform(-1.3, 1.3, (count, 2)))
+        inside, outside = x[run.barrier(x) < 0.0][: count // 8], x[run.barrier(x) > 0.0][: count // 8]
+        many = min(len(inside), len(outside))
+        low, high = inside[:many], outside[:many]
+        for _ in range(50):
+            middle = 0.5 * (low + high)
+            is_in = (run.barrier(middle) <= 0.0)[:, None]
+            low, high = np.where(is_in, middle, low), np.where(is_in, high, middle)
+        x[:many] = low
+        wanted = random.normal(size=x.shape) * run.data.velocity_scale * np.exp(random.uniform(-4, 4, (len(x), 1)))
+        return x, wanted
+
+    def test_python_and_header_answer_alike(self):
+        run = self.run_read
+        x, wanted = self.readings_and_wishes(8000)
+        x[-1, 0], wanted[-2, 1], wanted[-3] = np.nan, np.inf, 0.0
+        v, change = run.shield(x, wanted)
+        self.assertTrue(0.2 < np.mean(change > 0.0) < 0.8)
+        rows = "\n".join(" ".join(map(repr, row)) for row in np.hstack([x, wanted]).tolist())
+        for precision, tolerance in (("double", 1e-11), ("float", 1e-5)):
+            out = subprocess.run([self.compiled("shield_values_driver", precision)], input=rows, capture_output=True,
+                                 text=True, check=True).stdout
+            seen = np.array([line.split() for line in out.splitlines()], dtype=float)
+            self.assertEqual(len(seen), len(x))
+            np.testing.assert_allclose(seen[:, :2], v, rtol=0, atol=tolerance * np.abs(wanted[:-3]).max())
+            np.testing.assert_allclose(seen[:, 2], change, rtol=0, atol=tolerance * np.abs(wanted[:-3]).max())
+        single = run.shield(x[0], wanted[0])
+        np.testing.assert_array_equal(single[0], v[0])
+        self.assertEqual(single[1], change[0])
+
+    def test_changes_nothing_inside_nor_where_the_motion_is_wanted(self):
+        run = self.run_read
+        x, wanted = self.readings_and_wishes(8000)
+        safe = run.safe(x)
+        own = run.velocity(x)
+        v, change = run.shield(x, own)
+        self.assertEqual(np.abs(change[safe]).max(), 0.0)
+        np.testing.assert_array_equal(v[safe], own[safe])
+        fastest = run.data.velocity_scale * run.certificate["execution"]["most_command"]
+        inside = (run.barrier(x) < -0.05) & safe
+        wanted *= (0.99 * fastest / np.linalg.norm(wanted, axis=1))[:, None]
+        v, change = run.shield(x[inside], wanted[inside])
+        self.assertGreater(inside.sum(), 1000)
+        self.assertEqual(change.max(), 0.0)
+        np.testing.assert_array_equal(v, wanted[inside])
+
+    def test_no_motion_leaves_whatever_is_wanted(self):
+        data = self.run_read.data
+        length, speed = data.position_scale, data.velocity_scale
+        model = [MODEL["period"], MODEL["delay"], length * MODEL["position_error"], speed * MODEL["velocity_error"],
+                 MODEL["velocity_error_relative"]]
+        out = subprocess.run([self.compiled("shield_driver", "float"), "3000", *map(str, model), "1", "5"],
+                             capture_output=True, text=True, check=True).stdout.split()
+        left, untouched, changed = map(int, out[:3])
+        self.assertEqual(left, 0)
+        self.assertGreater(untouched, 1000)
+        self.assertGreater(changed, 1000)
+        self.assertEqual(float(out[3]), 0.0)  # of the motion's own velocity
+        self.assertEqual(int(out[6]), 0)  # allocations
+
+    def test_a_run_without_one_says_so(self):
+        from s2nnds import Run
+
+        with self.assertRaisesRegex(ValueError, "^shield: found a run without a certified shield.*$"):
+            Run(self.ideal).shield([0.0, 0.0], [1.0, 0.0])
+        with self.assertRaisesRegex(ValueError, "expected both"):
+            self.run_read.shield([[0.0, 0.0]], [1.0, 0.0])
+
+
+if __name__ == "__main__":
+    command_line.main()
