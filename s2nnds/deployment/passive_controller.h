@@ -8,11 +8,44 @@
 
 namespace s2nnds {
 
+// Why a PassiveController has stopped: what it was told is beyond what a certificate can speak of, or makes no sense.
+enum class SafeStop {
+  none,
+  settings,   // out of range
+  reading,    // a position or velocity is not finite
+  workspace,  // the position lies outside of the workspace
+  late,       // longest_period or more since the last call
+  old,        // the reading is longest_delay old or more
+  fast        // the robot is as fast as `fastest` or faster
+};
+
+// One line for a log: "stopped: ...".
+inline const char* in_words(SafeStop stop) noexcept {
+  switch (stop) {
+    case SafeStop::none:
+      return "running";
+    case SafeStop::settings:
+      return "stopped: found settings out of range";
+    case SafeStop::reading:
+      return "stopped: found a position or velocity that is not finite";
+    case SafeStop::workspace:
+      return "stopped: found a position outside of the workspace";
+    case SafeStop::late:
+      return "stopped: found a call later than the longest period";
+    case SafeStop::old:
+      return "stopped: found a reading older than the longest delay";
+    case SafeStop::fast:
+      return "stopped: found a velocity above the fastest";
+  }
+  return "";
+}
+
 // Passive interaction control (Kronander and Billard, IEEE RA-L 2016): a robot's end follows xdot = f(x) and gives way
 // to whoever pushes it,
 //   force = D(x) (f(x) - v) + feed-forward,  D with `along` in the direction of f(x) and `across` in all others,
 // where f, which is no gradient of an energy, and the feed-forward draw on a tank: what they put into the robot, damping
-// has taken out before, but for what the tank holds at first. An empty tank leaves the damping alone.
+// has taken out before, but for what the tank holds at first. They draw no more in a period than the tank holds, at any
+// velocity up to `fastest`, so they never take it below zero. An empty tank leaves the damping alone.
 //
 // Motion is the type of that name in an exported header: positions in the policy's unit and frame.
 template <typename Motion>
@@ -21,22 +54,25 @@ class PassiveController {
   static constexpr int dimension = Motion::dimension;  // n
 
   struct Settings {
-    double metres_per_unit = 1.0;  // of the policy's unit of length, > 0
-    double period = 0.001;         // s between calls of step(), > 0
-    double along = 100.0;          // N s/m: damping in the direction of f, > 0
-    double across = 100.0;         // N s/m: the same in all others, > 0
+    double metres_per_unit = 1.0;   // of the policy's unit of length, > 0
+    double period = 0.001;          // s between calls of step(), > 0
+    double longest_period = 0.004;  // s, > period: a later call is a safe stop
+    double longest_delay = 0.004;   // s, > 0: an older reading is a safe stop
+    double along = 100.0;           // N s/m: damping in the direction of f, > 0
+    double across = 100.0;          // N s/m: the same in all others, > 0
     double mass = 0.0;         // kg: effective mass whose acceleration along f is fed forward, >= 0; 0: none
     double most_force = 50.0;  // N: the force is scaled down to this, > 0
+    double fastest = 1.5;      // m/s, > 0: a faster robot is a safe stop
     double tank_capacity = 10.0;  // J, > 0
     double tank_start = 5.0;      // J, in [0, tank_capacity]
   };
 
   // What one call answers.
   struct Command {
-    double force[dimension] = {};  // N
-    double tank = 0.0;             // J left
-    double drive = 0.0;            // share of f and the feed-forward that the tank allowed, in [0, 1]
-    bool stopped = false;          // a reading was not finite, now or before: damping alone until reset()
+    double force[dimension] = {};    // N
+    double tank = 0.0;               // J left
+    double drive = 0.0;              // share of f and the feed-forward that the tank allowed, in [0, 1]
+    SafeStop stop = SafeStop::none;  // otherwise damping alone, from that call on until reset()
   };
 
   // What is known of a state.
@@ -51,10 +87,12 @@ class PassiveController {
   // Settings out of range, or NaN, leave the controller stopped for good.
   explicit PassiveController(const Settings& settings) noexcept : settings_(settings) {
     const auto positive = [](double value) { return value > 0.0 && std::isfinite(value); };
-    valid_ = positive(settings.metres_per_unit) && positive(settings.period) && positive(settings.along) &&
-             positive(settings.across) && positive(settings.most_force) && positive(settings.tank_capacity) &&
-             settings.mass >= 0.0 && std::isfinite(settings.mass) && settings.tank_start >= 0.0 &&
-             settings.tank_start <= settings.tank_capacity;
+    valid_ = positive(settings.metres_per_unit) && positive(settings.period) &&
+             settings.longest_period > settings.period && std::isfinite(settings.longest_period) &&
+             positive(settings.longest_delay) && positive(settings.along) && positive(settings.across) &&
+             positive(settings.most_force) && positive(settings.fastest) &&
+             positive(settings.tank_capacity) && settings.mass >= 0.0 && std::isfinite(settings.mass) &&
+             settings.tank_start >= 0.0 && settings.tank_start <= settings.tank_capacity;
     reset();
   }
 
@@ -63,52 +101,38 @@ class PassiveController {
   // Fills the tank to its start and forgets a stop.
   void reset() noexcept {
     tank_ = valid_ ? settings_.tank_start : 0.0;
-    stopped_ = !valid_;
+    stop_ = valid_ ? SafeStop::none : SafeStop::settings;
     started_ = false;
   }
 
   // The force at the position x [n] and velocity v [n], in the policy's unit (per second). To be called once a period;
   // the force is to be held until the next call.
-  Command step(const double* x, const double* v) noexcept {
+  Command step(const double* x, const double* v) noexcept { return step(x, v, settings_.period, 0.0); }
+
+  // The same where the loop measures itself: `elapsed` s since the last call, the reading being `age` s old.
+  Command step(const double* x, const double* v, double elapsed, double age) noexcept {
     Command command;
     double f[dimension] = {};
-    bool finite = true;
-    for (int i = 0; i < dimension; ++i) finite = finite && std::isfinite(x[i]) && std::isfinite(v[i]);
-    if (finite) Motion::velocity(x, f);
-    for (int i = 0; i < dimension; ++i) finite = finite && std::isfinite(f[i]);
-    if (!finite) stopped_ = true;
-    if (stopped_) return stop(v, command);
-    const double metres = settings_.metres_per_unit;
+    if (stop_ == SafeStop::none) stop_ = reason_to_stop(x, v, elapsed, age, f);
+    if (stop_ != SafeStop::none) return stopped(v, command);
     settle_tank(x);
-    double fed[dimension] = {};
-    feed_forward(x, v, f, fed);
-    double speed = 0.0, forward = 0.0, power = 0.0;
-    for (int i = 0; i < dimension; ++i) {
-      f[i] *= Motion::execution_speed * metres;
-      speed += f[i] * f[i];
-      forward += f[i] * v[i] * metres;
-    }
-    for (int i = 0; i < dimension; ++i) {
-      drive_[i] = settings_.along * f[i] + fed[i];
-      power += drive_[i] * v[i] * metres;
-      // D v: `across` of it, and the rest in the direction of f.
-      const double part = speed > 0.0 ? (settings_.along - settings_.across) * forward / speed * f[i] : 0.0;
-      damping_[i] = -(settings_.across * v[i] * metres + part);
-    }
-    // What one period may draw. A tank that is empty still lets the drive brake.
-    command.drive = 1.0;
-    if (power > 0.0) command.drive = std::min(1.0, std::max(0.0, tank_) / (power * settings_.period));
-    double size = 0.0;
+    find_forces(x, v, f);
+    const double drive = length(drive_), damping = length(damping_);
+    // The most that a period can take: a force times the way at `fastest`.
+    const double way = settings_.fastest * settings_.longest_period;
+    const double left = std::max(0.0, tank_ - damping * way);
+    command.drive = drive * way > left ? left / (drive * way) : 1.0;
+    double force[dimension];
     for (int i = 0; i < dimension; ++i) {
       drive_[i] *= command.drive;
-      command.force[i] = drive_[i] + damping_[i];
-      size += command.force[i] * command.force[i];
+      force[i] = drive_[i] + damping_[i];
     }
-    const double share = std::min(1.0, settings_.most_force / std::sqrt(std::max(size, 1e-300)));
+    const double size = length(force);
+    const double share = size > settings_.most_force ? settings_.most_force / size : 1.0;
     for (int i = 0; i < dimension; ++i) {
       drive_[i] *= share;
       damping_[i] *= share;
-      command.force[i] *= share;
+      command.force[i] = share * force[i];
       last_[i] = x[i];
     }
     started_ = true;
@@ -119,14 +143,10 @@ class PassiveController {
   // Whether the certificate covers the state x, v [n], in the policy's unit (per second). False for NaN.
   static Coverage monitor(const double* x, const double* v) noexcept {
     Coverage found;
-    double f[dimension] = {};
-    Motion::velocity(x, f);
-    double square = 0.0;
-    for (int i = 0; i < dimension; ++i) {
-      const double off = v[i] - Motion::execution_speed * f[i];
-      square += off * off;
-    }
-    found.deviation = std::sqrt(square);
+    double off[dimension] = {};
+    Motion::velocity(x, off);
+    for (int i = 0; i < dimension; ++i) off[i] = v[i] - Motion::execution_speed * off[i];
+    found.deviation = length(off);
     found.allowed = Motion::execution_speed * Motion::disturbance_margin;
     found.safe = Motion::safe(x);
     found.covered = found.safe && found.deviation < found.allowed;
@@ -134,6 +154,27 @@ class PassiveController {
   }
 
  private:
+  static double length(const double* vector) noexcept {
+    double square = 0.0;
+    for (int i = 0; i < dimension; ++i) square += vector[i] * vector[i];
+    return std::sqrt(square);
+  }
+
+  // Also f(x), where there is none.
+  SafeStop reason_to_stop(const double* x, const double* v, double elapsed, double age,
+                          double* f) const noexcept {
+    bool finite = true;
+    for (int i = 0; i < dimension; ++i) finite = finite && std::isfinite(x[i]) && std::isfinite(v[i]);
+    if (!finite) return SafeStop::reading;
+    if (!Motion::in_workspace(x)) return SafeStop::workspace;
+    if (started_ && !(elapsed < settings_.longest_period)) return SafeStop::late;
+    if (!(age < settings_.longest_delay)) return SafeStop::old;
+    if (!(length(v) * settings_.metres_per_unit < settings_.fastest)) return SafeStop::fast;
+    Motion::velocity(x, f);
+    for (int i = 0; i < dimension; ++i) finite = finite && std::isfinite(f[i]);
+    return finite ? SafeStop::none : SafeStop::reading;
+  }
+
   // What the held forces did since the last call, by the way that the robot went.
   void settle_tank(const double* x) noexcept {
     if (!started_) return;
@@ -144,6 +185,24 @@ class PassiveController {
       damped -= damping_[i] * way;
     }
     tank_ = std::min(settings_.tank_capacity, tank_ + damped - driven);
+  }
+
+  // drive = along speed f + feed-forward, damping = -D v.
+  void find_forces(const double* x, const double* v, const double* f) noexcept {
+    const double metres = settings_.metres_per_unit;
+    double fed[dimension] = {};
+    feed_forward(x, v, f, fed);
+    double square = 0.0, forward = 0.0;
+    for (int i = 0; i < dimension; ++i) {
+      square += f[i] * f[i];
+      forward += f[i] * v[i] * metres;
+    }
+    for (int i = 0; i < dimension; ++i) {
+      drive_[i] = settings_.along * Motion::execution_speed * metres * f[i] + fed[i];
+      // `across` of v, and the rest in the direction of f.
+      const double part = square > 0.0 ? (settings_.along - settings_.across) * forward / square * f[i] : 0.0;
+      damping_[i] = -(settings_.across * v[i] * metres + part);
+    }
   }
 
   // mass d/dt (speed f) along the motion, by a difference over a few periods of it.
@@ -160,23 +219,23 @@ class PassiveController {
     }
   }
 
-  Command& stop(const double* v, Command& command) const noexcept {
-    command.stopped = true;
+  Command& stopped(const double* v, Command& command) const noexcept {
+    command.stop = stop_;
     command.tank = tank_;
-    double size = 0.0;
     for (int i = 0; i < dimension; ++i) {
       command.force[i] =
           valid_ && std::isfinite(v[i]) ? -settings_.across * v[i] * settings_.metres_per_unit : 0.0;
-      size += command.force[i] * command.force[i];
     }
-    if (size > settings_.most_force * settings_.most_force) {
-      for (double& force : command.force) force *= settings_.most_force / std::sqrt(size);
+    const double size = length(command.force);
+    if (size > settings_.most_force) {
+      for (double& force : command.force) force *= settings_.most_force / size;
     }
     return command;
   }
 
   Settings settings_;
-  bool valid_ = false, stopped_ = true, started_ = false;
+  bool valid_ = false, started_ = false;
+  SafeStop stop_ = SafeStop::settings;
   double tank_ = 0.0;
   double drive_[dimension] = {}, damping_[dimension] = {}, last_[dimension] = {};  // of the last call
 };
