@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // s2nnds-check FILE [POLICY ...]: checks the certificate of a run file, or of the proof that `verify --artifact` wrote,
 // with no code of the program that made it.
+#include <arb.h>
+#include <arb_mat.h>
 #include <hdf5.h>
 #include <openssl/evp.h>
 #include <toml++/toml.h>
-
-#if __has_include(<flint/arb.h>)  // FLINT 3
-#include <flint/arb.h>
-#include <flint/arb_mat.h>
-#else
-#include <arb.h>
-#include <arb_mat.h>
-#endif
 
 #include <algorithm>
 #include <array>
@@ -110,13 +104,7 @@ class Functions {
  public:
   Functions(const Place& place, size_t order, size_t count)
       : place_(&place), order_(order), balls_(count * columns()) {}
-  static Functions coordinates(const Place& place, size_t order) {
-    Functions x(place, order, place.n());
-    for (size_t d = 0; d < place.n(); ++d) x.at(d)[0] = place.center[d], x.at(d)[1 + d] = 1.0;
-    return x;
-  }
   size_t columns() const { return order_ == 1 ? 1 + n() : 1 + n() + n() * n(); }
-  size_t order() const { return order_; }
   Ball* at(size_t k) { return &balls_[k * columns()]; }
   const Ball* at(size_t k) const { return &balls_[k * columns()]; }
   const Ball& value(size_t k) const { return at(k)[0]; }      // at c
@@ -163,9 +151,9 @@ class Functions {
       const Ball second = -(two * over * first);
       for (size_t i = 0; i < n(); ++i) {
         const Ball along = second * gradient[i];
-        for (size_t j = i; j < n(); ++j) {
-          Ball *h = z + 1 + n() + i * n() + j, *transposed = z + 1 + n() + j * n() + i;
-          *h = *transposed = along * gradient[j] + first * *h;
+        for (size_t j = 0; j < n(); ++j) {
+          Ball& h = z[1 + n() + i * n() + j];
+          h = along * gradient[j] + first * h;
         }
         z[1 + i] = at_center * z[1 + i];
       }
@@ -181,7 +169,8 @@ class Functions {
 };
 // N or N - N(0) on the box.
 Functions apply(const Network& network, const Place& place, size_t order) {
-  Functions x = Functions::coordinates(place, order);
+  Functions x(place, order, place.n());
+  for (size_t d = 0; d < place.n(); ++d) x.at(d)[0] = place.center[d], x.at(d)[1 + d] = one;
   for (const Layer& layer : network.layers) {
     x = x.after(layer);
     for (size_t k = 0; layer.tanh && k < layer.weight.size(); ++k) x.apply_tanh(k);
@@ -192,8 +181,8 @@ Functions apply(const Network& network, const Place& place, size_t order) {
 void find_offset(Network& network) {
   const Place origin({Numbers(network.inputs()), Numbers(network.inputs())});
   const Functions at_origin = apply(network, origin, 1);
-  const size_t count = network.head == "plain" ? 0 : network.outputs();
-  for (size_t k = 0; k < count; ++k) network.offset.push_back(at_origin.value(k));
+  for (size_t k = 0; network.head != "plain" && k < network.outputs(); ++k)
+    network.offset.push_back(at_origin.value(k));
 }
 // V = |u|^2 + q |x|^2.
 Functions squared_norm(const Functions& u, size_t outputs, double q, const Place& place) {
@@ -228,16 +217,69 @@ Ball rate_range(const Functions& w, const Network& f, const Place& place) {
   }
   return rate + w.along_step(slope.data());
 }
-// A set {level <= 0}: a function that encloses the level over a box [n], and bounds of the set [n].
+using Level = std::function<Ball(const Balls&)>;  // encloses a function on a box [n]
+// Reads a level made of numbers, x, y, z, + - * / ** ^, max, min and parentheses.
+struct Expression {
+  string rest;                 // still to be read
+  bool is_even_power = false;  // what was read last, so that it is >= 0
+  bool take(const string& word) { return rest.starts_with(word) && (rest.erase(0, word.size()), true); }
+  template <auto operation>
+  Level join(const Level& a, const Level& b) {
+    is_even_power = false;
+    return [a, b](const Balls& x) { return made_by<operation>(a(x), b(x)); };
+  }
+  Level chain(bool sums) {  // of terms, or of a term's factors
+    const auto next = [&] { return sums ? chain(false) : factor(); };
+    for (Level a = next();;)
+      if (take(sums ? "+" : "*"))
+        a = sums ? join<arb_add>(a, next()) : join<arb_mul>(a, next());
+      else if (take(sums ? "-" : "/"))
+        a = sums ? join<arb_sub>(a, next()) : join<arb_div>(a, next());
+      else
+        return a;
+  }
+  Level factor() {
+    if (take("-")) return join<arb_sub>([](const Balls&) { return zero; }, factor());
+    const Level a = atom();
+    if (!take("**") && !take("^")) return a;
+    const bool was_even = is_even_power;
+    const Ball e = factor()({});  // throws where it is no constant
+    is_even_power = was_even || arb_is_int((half * e).ball) != 0;
+    if (!is_even_power || !e.is_positive()) fail("a power that this program cannot check");
+    return [a, e](const Balls& x) {  // |a|^e
+      Ball from, to;
+      arb_get_abs_lbound_arf(arb_midref(from.ball), a(x).ball, bits);
+      arb_get_abs_ubound_arf(arb_midref(to.ball), a(x).ball, bits);
+      const auto power = [&](const Ball& b) { return arb_is_zero(b.ball) ? zero : made_by<arb_pow>(b, e); };
+      return hull(power(from), power(to));
+    };
+  }
+  Level atom() {
+    const bool is_most = take("max("), is_list = is_most || take("min(");
+    if (is_list || take("(")) {
+      Level a = chain(true);
+      while (is_list && take(","))
+        a = is_most ? join<arb_max>(a, chain(true)) : join<arb_min>(a, chain(true));
+      return take(")") ? a : (fail("no ) at " + rest), a);
+    }
+    is_even_power = false;
+    for (const size_t axis : {0, 1, 2})
+      if (take(string(1, "xyz"[axis]))) return [axis](const Balls& x) { return x.at(axis); };
+    size_t length = 0;
+    const Ball number(std::stod(rest, &length));  // throws where it is none
+    rest.erase(0, length);
+    return [number](const Balls&) { return number; };
+  }
+};
+// A set {level <= 0} and bounds of it [n].
 struct Region {
-  std::function<Ball(const Balls&)> level;
+  Level level;
   Balls lower, upper;
 };
 template <typename T>
 const T& need(const toml::table& table, const char* key) {
   const T* found = table[key].as<T>();
-  if (found == nullptr) fail(string("no ") + key + " of the expected type");
-  return *found;
+  return found != nullptr ? *found : throw std::runtime_error(string("found no ") + key + " as expected");
 }
 Numbers list(const toml::table& table, const char* key) {
   Numbers found;
@@ -252,15 +294,15 @@ Ball infinity(double sign) { return Ball(std::copysign(INFINITY, sign)); }
 // From its TOML table. Throws on what this program does not know.
 Region read_region(const toml::table& table, size_t n) {
   const string type = table["type"].value_or(string("none"));
-  const string known = " type inflate center radius semi_axes lower upper normal offset of ";
+  const string known = " type inflate center radius semi_axes lower upper normal offset of level ";
   for (const auto& [name, value] : table) {
     const string key(name.str());
     if (known.find(" " + key + " ") == known.npos || (key == "inflate" && value.value_or(1.0) != 0.0))
       fail("a region with " + key + ", which this program cannot check");
   }
   const auto numbers = [&](const char* key) {
-    Numbers found = list(table, key);
-    return found.size() == n ? found : throw std::runtime_error(string("found no n numbers ") + key);
+    const Numbers found = list(table, key);
+    return found.size() == n ? found : (fail(string("no n numbers ") + key), found);
   };
   Region region{{}, Balls(n, infinity(-1.0)), Balls(n, infinity(1.0))};
   if (type == "none") {
@@ -293,6 +335,11 @@ Region read_region(const toml::table& table, size_t n) {
       }
       return most;
     };
+  } else if (type == "expression") {
+    Expression whole{table["level"].value_or(string())};
+    std::erase(whole.rest, ' ');
+    region.level = whole.chain(true);
+    if (!whole.rest.empty()) fail("no expression at " + whole.rest);
   } else if (type == "halfspace") {
     const Numbers normal = numbers("normal");
     region.level = [weights = Balls(normal.begin(), normal.end()), offset = Ball(-scalar(table, "offset"))](
@@ -304,12 +351,11 @@ Region read_region(const toml::table& table, size_t n) {
     if (parts.empty() || (type != "union" && type != "intersection" && type != "complement"))
       fail("a region of type " + type + ", which this program cannot check");
     const bool joined = type == "union";
-    for (size_t d = 0; d < n && type != "complement"; ++d) {
-      region.lower[d] = parts[0].lower[d];
-      region.upper[d] = parts[0].upper[d];
-      for (const Region& part : parts) {
-        region.lower[d] = (joined ? least : greatest)(region.lower[d], part.lower[d]);
-        region.upper[d] = (joined ? greatest : least)(region.upper[d], part.upper[d]);
+    if (type != "complement") region = parts[0];
+    for (size_t k = 1; joined && k < parts.size(); ++k) {
+      for (size_t d = 0; d < n; ++d) {
+        region.lower[d] = least(region.lower[d], parts[k].lower[d]);
+        region.upper[d] = greatest(region.upper[d], parts[k].upper[d]);
       }
     }
     region.level = [type, parts, joined](const Balls& x) {  // the least, the greatest, the negated level
@@ -446,18 +492,17 @@ Claim read_claim(const string& path) {
   claim.is_executed = scope.contains("execution");
   for (size_t d = 0; d < n; ++d) {
     const double low = claim.workspace.lower[d], high = claim.workspace.upper.at(d);
-    if (!(low < 0.0 && high > 0.0 && high - low < INFINITY && claim.inner.lower.at(d) >= low &&
-          claim.inner.upper.at(d) <= high))
-      fail("a workspace without the goal, or without bounds, or not around the inner one");
+    if (!(low < 0.0 && high > 0.0 && high - low < INFINITY)) fail("a workspace without goal or bounds");
+    if (!(claim.inner.lower.at(d) >= low && claim.inner.upper.at(d) <= high))
+      fail("too large an inner workspace");
   }
   const bool in_data = problem["frame"].value_or(string()) == "data";
   claim.goal = in_data ? list(frame, "goal") : Numbers(n);
   claim.scale = in_data ? scalar(frame, "position_scale") : 1.0;
   if (!(claim.level_band >= 0.0 && claim.scale > 0.0 && claim.scale < INFINITY && claim.goal.size() == n))
     fail("a band, a goal or a scale that is none");
-  if (claim.f.inputs() != n || claim.f.outputs() != n || claim.V.inputs() != n || claim.B.inputs() != n ||
-      claim.B.outputs() != 1)
-    fail("networks and a workspace of different dimensions");
+  for (const size_t size : {claim.f.inputs(), claim.f.outputs(), claim.V.inputs(), claim.B.inputs()})
+    if (size != n || claim.B.outputs() != 1) fail("networks and a workspace of different dimensions");
   if (file.holds("/cover")) {
     if (!file.is_whole) fail("no SHA-256 at the end of a proof");
     for (const auto& condition : conditions)
@@ -489,18 +534,17 @@ bool carries_weights(const string& policy, const Claim& claim) {
     return from != bytes.npos;
   };
   const auto holds_network = [&](const Network& network, bool single) {
-    for (const Layer& layer : network.layers) {
-      std::vector<Numbers> columns(layer.weight.front().size());
+    return std::all_of(network.layers.begin(), network.layers.end(), [&](const Layer& layer) {
+      std::vector<Numbers> columns(layer.weight[0].size());
       for (const Numbers& line : layer.weight)
         for (size_t k = 0; k < line.size(); ++k) columns[k].push_back(line[k]);
-      if (!holds({layer.bias}, single) || !(holds(layer.weight, single) || holds(columns, single)))
-        return false;
-    }
-    return true;
+      return holds({layer.bias}, single) && (holds(layer.weight, single) || holds(columns, single));
+    });
   };
-  for (const Network* network : {&claim.f, &claim.V, &claim.B})
-    if (!holds_network(*network, false) && !holds_network(*network, true)) return false;
-  return true;
+  const Network* all[] = {&claim.f, &claim.V, &claim.B};
+  return std::all_of(std::begin(all), std::end(all), [&](const Network* network) {
+    return holds_network(*network, false) || holds_network(*network, true);
+  });
 }
 // Two boxes that share a face, so that no point is lost: halves along the widest side (the first of several), of `width`.
 std::array<Box, 2> halves(const Box& box, double& width) {
@@ -546,31 +590,30 @@ std::vector<Box> starting_boxes(const Claim& claim, size_t condition) {
 // Shows on boxes that cover those of `open` that a quantity is negative, and counts them. Returns a box that stays open.
 Box cover(std::vector<Box> open, const std::function<Ball(const Box&)>& enclose, long& boxes) {
   for (double width = 1.0; !open.empty(); ++boxes) {
-    std::vector<Box> parts = {std::move(open.back())};
-    open.pop_back();
-    const Ball found = enclose(parts[0]);
-    if (found.is_negative()) continue;
+    const Box box = open.back();
+    const size_t last = open.size() - 1;
+    const Ball found = enclose(box);
+    if (found.is_negative()) {
+      open.pop_back();
+      continue;
+    }
     // Where the radius is large, one bisection would not do: one for each axis.
     const bool large =
         mag_get_d(arb_radref(found.ball)) > -2.0 * arf_get_d(arb_midref(found.ball), ARF_RND_NEAR);
-    for (size_t k = large ? parts[0].lower.size() : 1; k > 0; --k) {
-      std::vector<Box> smaller;
-      for (const Box& part : parts)
-        for (const Box& of : halves(part, width)) smaller.push_back(of);
-      parts = std::move(smaller);
+    for (size_t k = large ? box.lower.size() : 1; k > 0; --k) {
+      for (size_t i = open.size(); i-- > last;) {
+        const std::array<Box, 2> parts = halves(open[i], width);
+        open[i] = parts[0];
+        open.push_back(parts[1]);
+      }
     }
-    open.insert(open.end(), parts.begin(), parts.end());
-    if (width < 1e-9) return parts[0];
+    if (width < 1e-9) return box;
   }
   return {};
 }
-class Matrix {  // [rows][columns] of balls
- public:
+struct Matrix {  // of balls
   Matrix(size_t rows, size_t columns) { arb_mat_init(all, slong(rows), slong(columns)); }
-  Matrix(const Matrix&) = delete;
-  Matrix& operator=(const Matrix&) = delete;
   ~Matrix() { arb_mat_clear(all); }
-  arb_ptr at(size_t i, size_t k) { return arb_mat_entry(all, slong(i), slong(k)); }
   arb_mat_t all;
 };
 // For |x|_inf <= edge, f(x) = A x and N(x) - N(0) = P x with A, P in the Jacobians' enclosures, so that Vdot = x' M x with
@@ -582,15 +625,16 @@ bool decreases_around_goal(const Network& f, const Network& V, double edge) {
     const Functions u = apply(of, cube, 2);
     for (size_t i = 0; i < of.outputs(); ++i) {
       const Balls gradient = u.gradient_over(i);
-      for (size_t k = 0; k < n; ++k) arb_set(j.at(i, k), gradient[k].ball);
+      for (size_t k = 0; k < n; ++k) arb_set(arb_mat_entry(j.all, i, k), gradient[k].ball);
     }
   };
-  Matrix A(n, n), P(V.outputs(), n), transposed(n, V.outputs()), G(n, n), M(n, n), S(n, n);
+  Matrix A(n, n), P(V.outputs(), n), transposed(n, V.outputs()), G(n, n), M(n, n), S(n, n), I(n, n);
   set_jacobian(f, A);
   set_jacobian(V, P);
   arb_mat_transpose(transposed.all, P.all);
   arb_mat_mul(G.all, transposed.all, P.all, bits);
-  for (size_t d = 0; d < n; ++d) arb_add(G.at(d, d), G.at(d, d), Ball(V.quadratic).ball, bits);
+  arb_mat_one(I.all);
+  arb_mat_scalar_addmul_arb(G.all, I.all, Ball(V.quadratic).ball, bits);
   arb_mat_mul(M.all, G.all, A.all, bits);
   arb_mat_transpose(S.all, M.all);
   arb_mat_add(S.all, S.all, M.all, bits);
@@ -663,20 +707,17 @@ bool run(const string& path, const std::vector<string>& policies) {
   say("B(0) <= 0", arb_is_nonpositive(level({origin, origin}).ball) != 0);
   bool inside = true;
   for (size_t d = 0; d < origin.size(); ++d) {
-    const Ball lower = placed(claim, d, claim.workspace.lower[d]),
-               upper = placed(claim, d, claim.workspace.upper[d]);
-    inside = inside && arb_le(lower.ball, claim.initial.lower[d].ball) != 0 &&
-             arb_le(claim.initial.upper[d].ball, upper.ball) != 0;
+    const Region& x = claim.initial;
+    inside = inside && arb_le(placed(claim, d, claim.workspace.lower[d]).ball, x.lower[d].ball) != 0 &&
+             arb_le(x.upper[d].ball, placed(claim, d, claim.workspace.upper[d]).ball) != 0;
   }
   say("the initial set lies in the workspace", inside);
   if (all)
-    std::printf(
+    std::puts(
         "Checked: every motion xdot = f(x) that starts in {B <= 0} stays in it for ever, never touches the "
-        "unsafe set, and converges to the goal; the initial set lies in {B <= 0}.\n");
+        "unsafe set, and converges to the goal; the initial set lies in {B <= 0}.");
   if (claim.is_executed)
-    std::printf(
-        "Not checked: [execution]. This is of xdot = f(x) alone, not of the motion as a robot executes "
-        "it.\n");
+    std::puts("Not checked: [execution]; this is of xdot = f(x), not of how a robot executes it.");
   for (const string& policy : policies) say("weights in " + policy, carries_weights(policy, claim));
   return all;
 }
@@ -686,15 +727,12 @@ bool run(const string& path, const std::vector<string>& policies) {
 int main(int argc, char** argv) {
   const std::vector<string> arguments(argv + 1, argv + argc);
   if (arguments.empty() || arguments[0].starts_with("-")) {
-    std::fprintf(stderr, "usage: s2nnds-check FILE [POLICY ...]\n");
-    return 2;
+    return std::fputs("usage: s2nnds-check FILE [POLICY ...]\n", stderr), 2;
   }
   H5dont_atexit();  // else it complains, as the program ends, of a damaged file that it could not close
-  H5open();         // HDF5 1.14 crashes where it starts while numbers are not rounded to nearest
   try {
     return run(arguments[0], {arguments.begin() + 1, arguments.end()}) ? 0 : 3;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "s2nnds-check: %s: %s\n", arguments[0].c_str(), error.what());
-    return 2;
+    return std::fprintf(stderr, "s2nnds-check: %s: %s\n", arguments[0].c_str(), error.what()), 2;
   }
 }

@@ -229,6 +229,46 @@ TEST_F(Checker, RefusesWhatItCannotReadWithOneCode) {
   EXPECT_EQ(exit_code(record), 2);
 }
 
+TEST_F(Checker, ReadsExpressions) {
+  const auto config = [](const std::string& level) {
+    return fmt::format(
+        "{}[problem]\nframe = \"normalised\"\n"
+        "initial = {{ type = \"ball\", center = [0.3, -0.2], radius = 0.2 }}\n"
+        "unsafe = {{ type = \"expression\", level = \"{}\" }}\n[training]\nlevel_band = 0.01\n",
+        kMotion, level);
+  };
+  for (const char* level :
+       {"(((x - 1.05)/0.3)**2)**(1/3) + (((y - 1.05)/0.3)^2)**(1/3) - 0.5", "max(1.0 - x, 1 -y, x + y - 2.2)",
+        "min(0.9*2 - x*0.9 - y*0.9, 1)", "-(0.05 - (x - 1.05)**2) + (y - 1.05)**2"}) {
+    const RunRecord record = run_of(config(level), simple_networks());
+    ASSERT_EQ(record.certificate.guarantee, Guarantee::invariant) << level;
+    EXPECT_EQ(exit_code(record), 0) << level;
+  }
+  for (const char* level : {"x*x + (y - 0.7)**2 - 0.01", "min(x*x + (y - 0.7)**2 - 0.01, 1)"}) {
+    RunRecord record = run_of(config(level), simple_networks());
+    ASSERT_NE(record.certificate.guarantee, Guarantee::invariant) << level;
+    claim(record, simple_networks());
+    EXPECT_EQ(exit_code(record), 3) << level;
+  }
+  RunRecord record = run_of(config("(1.05 - x)**3"), simple_networks());
+  claim(record, simple_networks());
+  EXPECT_EQ(exit_code(record), 2);
+}
+
+TEST_F(Checker, SaysThatItDoesNotLookAtTheExecution) {
+  const Certified certified = hand_made();
+  const auto output_of = [&](const std::vector<std::string>& settings) {
+    const std::string path = (folder_ / "run.h5").string(), out = (folder_ / "out").string();
+    save_run(path, run_of(certified.config, certified.networks, nullptr, settings));
+    EXPECT_EQ(std::system(fmt::format("'{}' '{}' >'{}'", S2NNDS_CHECK, path, out).c_str()), 0);
+    std::ifstream stream(out);
+    return std::string(std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>());
+  };
+  const std::string said = "Not checked: [execution]";
+  EXPECT_EQ(output_of({}).find(said), std::string::npos);
+  EXPECT_NE(output_of({"execution.period=0.001"}).find(said), std::string::npos);
+}
+
 TEST_F(Checker, AgreesOnSomeMutations) { mutate(hand_made(), "hand-made", 60, 11); }
 // One in 50 is of a trained run, whose check takes a hundred times as long.
 TEST_F(Checker, DISABLED_AgreesOnManyMutations) {
