@@ -73,6 +73,13 @@ if(S2NNDS_BUILD_EXPERIMENTS)
     pkg_check_modules(HTTPLIB QUIET IMPORTED_TARGET cpp-httplib>=0.11)  # s2nnds studio; left out without it
   endif()
 endif()
+if(S2NNDS_BUILD_EXPERIMENTS)
+  find_package(mujoco 2.2 QUIET)                              # experiments/robot_drawing; left out without it
+  find_path(MUJOCO_INCLUDE_DIR mujoco/mujoco.h)
+  if(TARGET mujoco::mujoco AND MUJOCO_INCLUDE_DIR)  # Debian's also names a folder of a package that it does not ask for
+    set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${MUJOCO_INCLUDE_DIR}")
+  endif()
+endif()
 if(S2NNDS_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 QUIET)                           # tests/benchmarks/; without it they are left out
 endif()

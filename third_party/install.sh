@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs what the project needs and this machine lacks, by apt. Safe to run again. Asks for root (sudo) only when
 # something is missing.
-# Usage: bash third_party/install.sh [build] [test] [notebook]      (default: all three)
+# Usage: bash third_party/install.sh [build] [test] [notebook] [robot]      (default: the first three)
 #   build      the library, the program, and the Python packages of its figures
 #   test       the tests
 #   notebook   Jupyter, for notebooks_export/*.ipynb; what cannot be had of it is named and stops nothing, nor does
 #              the lack of cpp-httplib (s2nnds studio) or of a browser (its tests)
+#   robot      MuJoCo, for experiments/robot_drawing
 # Where apt has no LibTorch (Ubuntu 24.04), pip's torch goes into the virtual environment build/venv, where CMake and
 # the tests find it. `build` alone then brings what the program runs with, `test` the whole torch: several gigabytes
 # with CUDA. PIP_INDEX_URL=https://download.pytorch.org/whl/cpu picks one without CUDA.
@@ -57,6 +58,7 @@ test chromium command:chromium
 test chromium-driver command:chromedriver
 notebook jupyter-nbconvert command:jupyter-nbconvert
 notebook python3-ipykernel module:ipykernel
+robot libmujoco-dev header:mujoco/mujoco.h
 "
 declare -A pip_name=([python3-numpy]=numpy [python3-h5py]=h5py [python3-matplotlib]=matplotlib [python3-scipy]=scipy
   [python3-sklearn]=scikit-learn [python3-onnx]=onnx [python3-pytest]=pytest)
@@ -172,7 +174,7 @@ bring_onnxruntime() {
 sets=("$@")
 [[ ${#sets[@]} -gt 0 ]] || sets=(build test notebook)
 for name in "${sets[@]}"; do
-  [[ $name =~ ^(build|test|notebook)$ ]] || stop "found the set $name; expected build, test or notebook"
+  [[ $name =~ ^(build|test|notebook|robot)$ ]] || stop "found the set $name; expected build, test, notebook or robot"
 done
 
 # Needed by the sets and not there: packages, and parts of torch (libtorch-dev, python3-torch).
@@ -189,7 +191,7 @@ while read -r name package sign; do
     continue
   elif [[ $package == *torch* ]]; then
     torch+=("$package")
-  elif [[ $name == notebook || $package =~ ^(libcpp-httplib-dev|chromium|chromium-driver|python3-selenium)$ ]]; then
+  elif [[ $name =~ ^(notebook|robot)$ || $package =~ ^(libcpp-httplib-dev|chromium|chromium-driver|python3-selenium)$ ]]; then
     optional+=("$package")
   else
     missing+=("$package")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Compiled by tests/program/shield_test.py with POLICY_HEADER and POLICY_NAMESPACE set: reads readings and wanted
+// Compiled by tests/program/robot_test.py with POLICY_HEADER and POLICY_NAMESPACE set: reads readings and wanted
 // velocities [2 dimension] from stdin, writes the shield's velocity [dimension] and change of each to stdout.
 #include <cstdio>
 

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The shield of a trained policy: Python's and the exported header's answers, and motions behind the latter."""
+"""What a robot has of a trained policy: its shield, by Python and the exported header, motions behind the latter, and a
+simulated arm that draws the motion."""
 
+import json
 import os
 import subprocess
 import unittest
@@ -14,7 +16,7 @@ MODEL = {"unit": '"normalised"', "period": 0.0005, "delay": 0.0005, "position_er
          "velocity_error_relative": 0.001}
 
 
-class ShieldTest(ProgramTest):
+class RobotTest(ProgramTest):
     @classmethod
     def setUpClass(cls):
         from s2nnds import Run
@@ -107,6 +109,26 @@ class ShieldTest(ProgramTest):
         self.assertGreater(changed, 1000)
         self.assertEqual(float(out[3]), 0.0)  # of the motion's own velocity
         self.assertEqual(int(out[6]), 0)  # allocations
+
+    def test_a_simulated_arm_draws_the_motion(self):
+        program = os.path.join(os.path.dirname(command_line.PROGRAM), "robot_drawing")
+        if not os.path.exists(program):
+            self.skipTest("robot_drawing was not built: found no MuJoCo")
+        out = self.path("drawing")
+        words = [self.file, "--out", out, "--starts", "2", "--edge", "1"]
+        done = subprocess.run([program, *words], capture_output=True, text=True, check=False,
+                              env=command_line.environment())
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(os.path.join(out, "robot_drawing.json"), encoding="utf-8") as file:
+            (drawn,) = json.load(file)["motions"]
+        self.assertTrue(1.0 < drawn["mass"] < 10.0)
+        self.assertEqual(len(drawn["motions"]), 2 * (3 * 2 + 1))
+        plain = [one for one in drawn["motions"]
+                 if one["control"] == "feed-forward" and one["scene"] in ("demonstrated", "edge of {B <= 0}")]
+        self.assertTrue(all(one["arrived"] and not one["left"] for one in plain))
+        self.assertGreater(os.path.getsize(os.path.join(out, "Sine.png")), 10000)
+        done = subprocess.run([program, self.path("nothing.h5")], capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
 
     def test_a_run_without_one_says_so(self):
         from s2nnds import Run
