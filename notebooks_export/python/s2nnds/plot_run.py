@@ -76,16 +76,24 @@ def name_of(run):
 
 
 def title_of(run):
-    facts = [
-        form.format(run.evaluation[key])
-        for key, form in (("mse_test", "test MSE {:.3g}"), ("safe_area_ratio", "safe set {:.0%} of the truly safe one"))
-        if np.isfinite(run.evaluation.get(key, np.nan))
-    ]
+    facts = []
+    error, safe = (run.evaluation.get(key, np.nan) for key in ("mse_test", "safe_area_ratio"))
+    if np.isfinite(error):
+        in_unit = run.problem.frame == "data" and run.data.unit
+        speed = run.data.velocity_scale * np.sqrt(error)
+        facts.append(f"test error {speed:.3g} {run.data.unit}/s (RMS)" if in_unit else f"test MSE {error:.3g}")
+    if np.isfinite(safe):
+        facts.append(f"safe set {safe:.0%} of the truly safe one")
     return "\n".join([f"{name_of(run)}: guarantee {run.guarantee}", *([", ".join(facts)] if facts else [])])
 
 
+def letter(run, k):
+    return "xyz"[k] if run.dimension <= 3 else f"$x_{{{k + 1}}}$"
+
+
 def axis_label(run, k):
-    return f"$x_{k + 1}$ [{run.data.unit}]" if run.data.unit else f"$x_{k + 1}$"
+    frame = f" in {run.data.frame_name}" if run.data.frame_name else ""
+    return f"{letter(run, k)}{frame}" + (f" [{run.data.unit}]" if run.data.unit else "")
 
 
 def demonstration_groups(run):
@@ -214,24 +222,40 @@ def draw_lines(ax, positions, i, j, **style):
     ax.add_collection(LineCollection([p[:, [i, j]] for p in positions], **style), autolim=False)
 
 
-def draw_rollouts(ax, run, i=0, j=1, fade=1.0):
+def near_plane(run):
+    """How near to a plane the parts of motions are that are drawn in it."""
+    return 0.03 * (run.problem.workspace_upper - run.problem.workspace_lower).max()
+
+
+def shown_in(run, positions, at):
+    """All of the motions [M, n], or with at = (fixed axis, its value) their parts near that plane."""
+    if at is None:
+        return positions
+    fixed, value = at
+    parts = []
+    for p in positions:
+        rows = np.flatnonzero(np.abs(p[:, fixed] - value) <= near_plane(run))
+        parts += [p[part] for part in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if len(part) > 1]
+    return parts
+
+
+def draw_rollouts(ax, run, i=0, j=1, at=None):
     handles = []
     for label, width, alpha, positions in rollout_groups(run):
-        draw_lines(ax, positions, i, j, colors=ROLLOUT, linewidths=width, alpha=alpha * fade, zorder=6)
+        draw_lines(ax, shown_in(run, positions, at), i, j, colors=ROLLOUT, linewidths=width, alpha=alpha, zorder=6)
         handles.append(line(label, ROLLOUT, width, alpha=alpha))
     return handles
 
 
-def draw_motions(ax, run, i=0, j=1, faint=False):
-    """Demonstrations and rollouts, projected on the plane of axes i and j; returns legend handles."""
+def draw_motions(ax, run, i=0, j=1, at=None):
+    """Demonstrations and rollouts, projected on the plane of axes i and j or cut (shown_in); returns legend handles."""
     handles = []
-    fade = 0.45 if faint else 1.0
     for label, colour, positions in demonstration_groups(run):
-        draw_lines(ax, positions, i, j, colors=colour, linewidths=1.4, alpha=0.9 * fade, zorder=5)
+        draw_lines(ax, shown_in(run, positions, at), i, j, colors=colour, linewidths=1.4, alpha=0.9, zorder=5)
         handles.append(line(label, colour))
-    handles += draw_rollouts(ax, run, i, j, fade)
+    handles += draw_rollouts(ax, run, i, j, at)
     ends = failed_ends(run)
-    if len(ends) and not faint:
+    if len(ends) and at is None:
         ax.plot(ends[:, i], ends[:, j], "x", color="black", markersize=6, markeredgewidth=1.6, zorder=8)
         handles.append(failed_handle())
     return handles
@@ -395,7 +419,7 @@ def plane(grid, fixed, index):
 
 
 def fixed_text(run, fixed, index):
-    return f"$x_{fixed + 1}$ = {run.grid.axes[fixed][index]:.3g} {run.data.unit}".rstrip()
+    return f"{letter(run, fixed)} = {run.grid.axes[fixed][index]:.3g} {run.data.unit}".rstrip()
 
 
 def slices(run):
@@ -415,7 +439,9 @@ def slices(run):
             handles += draw_slice(ax, run, fixed, index)
             ax.set_title(f"through the {name}: {fixed_text(run, fixed, index)}", fontsize=10)
     figure.suptitle(
-        title_of(run) + "\n(demonstrations and rollouts are projected on the planes)", fontsize=11
+        f"{title_of(run)}\n(of demonstrations and rollouts what is within {near_plane(run):.2g} {run.data.unit}".rstrip()
+        + " of a plane)",
+        fontsize=11,
     )
     legend_below(figure, handles + [goal_handle()], columns=4)
     return figure
@@ -431,12 +457,13 @@ def draw_slice(ax, run, fixed, index):
     root = np.sqrt(np.maximum(np.hypot(u, v), 1e-12))
     ax.quiver(x[::step], y[::step], u / root, v / root, color=FLOW, width=0.004, zorder=1)
     handles += [line("flow of f, in the plane", FLOW, 1.0)]
-    handles += draw_motions(ax, run, i, j, faint=True)
-    boxes = all_open_boxes(run)
     value = run.grid.axes[fixed][index]
+    handles += draw_motions(ax, run, i, j, (fixed, value))
+    boxes = all_open_boxes(run)
     meets = (boxes[:, fixed] <= value) & (value <= boxes[:, 3 + fixed])
     handles += draw_boxes(ax, boxes[meets], i, j)
-    draw_goal(ax, run, i, j)
+    if abs(run.data.goal[fixed] - value) <= near_plane(run):
+        draw_goal(ax, run, i, j)
     frame(ax, run, i, j)
     return handles
 
@@ -469,20 +496,20 @@ def log_levels(V, count=12):
 
 
 def lyapunov_in_planes(run, planes, figsize):
-    """One panel per plane: (i, j, Grid, title)."""
-    norm, levels = log_levels(np.concatenate([cut.V.ravel() for _, _, cut, _ in planes]))
+    """One panel per plane: (i, j, Grid, title, the fixed axis and its value or None)."""
+    norm, levels = log_levels(np.concatenate([cut.V.ravel() for _, _, cut, *_ in planes]))
     if norm is None:
         return lyapunov_along_motions(run)
     figure, axes = plt.subplots(1, len(planes), figsize=figsize, squeeze=False, constrained_layout=True)
     handles = []
-    for ax, (i, j, cut, title) in zip(axes.flat, planes):
+    for ax, (i, j, cut, title, at) in zip(axes.flat, planes):
         mesh, more = draw_levels(ax, *cut.axes, cut.V, norm, levels)
         handles += more
         if has_zero(cut.B):
             ax.contour(*cut.axes, cut.B.T, levels=[0.0], colors=[SAFE_EDGE], linewidths=1.8, zorder=4)
             handles.append(line("boundary of the safe set", SAFE_EDGE, 1.8))
         handles += draw_sets(ax, *cut.axes, cut.unsafe)
-        handles += draw_rollouts(ax, run, i, j, 0.6 if title else 1.0)  # fainter where projected, not cut
+        handles += draw_rollouts(ax, run, i, j, at)
         draw_goal(ax, run, i, j)
         frame(ax, run, i, j)
         ax.set_title(title, fontsize=10)
@@ -517,11 +544,12 @@ def lyapunov(run):
     if run.dimension > 3:
         return lyapunov_along_motions(run)
     if run.dimension == 2:
-        return lyapunov_in_planes(run, [(0, 1, run.grid, "")], (6.8, 5.8))
+        return lyapunov_in_planes(run, [(0, 1, run.grid, "", None)], (6.8, 5.8))
     planes = []
     for fixed in (2, 1, 0):
         index = nearest(run.grid.axes[fixed], run.data.goal[fixed])
-        planes.append((*plane(run.grid, fixed, index), fixed_text(run, fixed, index)))
+        at = fixed, run.grid.axes[fixed][index]
+        planes.append((*plane(run.grid, fixed, index), fixed_text(run, fixed, index), at))
     return lyapunov_in_planes(run, planes, (11.5, 4.2))
 
 
