@@ -61,9 +61,10 @@ std::string found_text(const Scene& scene, const std::string& unit_note) {
   text += row("duration", range_text(s.duration, "s"));
   text += row("speed", fmt::format("usually {}, at most {}", range_text(s.usual_speed, per_second),
                                    range_text(s.peak_speed, per_second)));
-  text += row("starts", fmt::format("within {} of their mean", length(s.start_spread)));
-  text += row("ends", fmt::format("within {} of their mean, {:.2g} % of the extent", length(s.end_spread),
-                                  std::round(1000 * s.end_spread / s.extent) / 10));
+  const char* recorded = scene.frame && scene.frame->moves_demonstrations() ? ", as recorded" : "";
+  text += row("starts", fmt::format("within {} of their mean{}", length(s.start_spread), recorded));
+  text += row("ends", fmt::format("within {} of their mean, {:.2g} % of the extent{}", length(s.end_spread),
+                                  std::round(1000 * s.end_spread / s.extent) / 10, recorded));
   if (scene.frame) {
     text += row("goal", scene.frame->position_text(scene.frame->goal) +
                             (scene.frame->moves_demonstrations()
