@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "s2nnds/conditions/worst_perturbation.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/networks/evaluator.h"
@@ -49,8 +50,21 @@ struct Ingredients {
 
 constexpr Eigen::Index kRowsTogether = 1024;  // so that what passes from network to network stays in cache
 
+// Adds to the rates at the rows where it `counts` what the model does there at worst.
+template <typename T, typename Counts>
+void add_work(const ExecutionModel& model, const BasicEvaluator<T>& function, const BasicEvaluator<T>& f,
+              const Points& at, const Points& velocity, const Counts& counts, Eigen::Ref<Vector> rate) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < at.rows(); ++i) {
+    if (counts(i)) rows.push_back(i);
+  }
+  if (rows.empty()) return;
+  rate(rows) += perturbation_work<T>(model, function, f, at(rows, Eigen::all), velocity(rows, Eigen::all));
+}
+
 template <typename T>
-Ingredients evaluate_all(const Networks& networks, const Points& x) {
+Ingredients evaluate_all(const Networks& networks, double level_band, const Points& x,
+                         const ExecutionDemand& demand) {
   const BasicEvaluator<T> f(networks.f), V(networks.V), B(networks.B);
   Ingredients found;
   for (Vector* column :
@@ -63,9 +77,21 @@ Ingredients evaluate_all(const Networks& networks, const Points& x) {
     V.value_and_derivative(at, velocity, value, derivative);
     found.lyapunov.segment(first, rows) = value.col(0);
     found.lyapunov_derivative.segment(first, rows) = derivative.col(0);
+    if (demand.asks_of_lyapunov()) {
+      add_work(
+          demand.model, V, f, at, velocity,
+          [&](Eigen::Index i) { return !(at.row(i).norm() <= demand.convergence_radius); },
+          found.lyapunov_derivative.segment(first, rows));
+    }
     B.value_and_derivative(at, velocity, value, derivative);
     found.barrier.segment(first, rows) = value.col(0);
     found.barrier_derivative.segment(first, rows) = derivative.col(0);
+    if (demand.asks_of_barrier()) {
+      const Mask near = within_band(value.col(0), level_band);
+      add_work(
+          demand.model, B, f, at, velocity, [&](Eigen::Index i) { return near[i]; },
+          found.barrier_derivative.segment(first, rows));
+    }
   });
   return found;
 }
@@ -135,10 +161,11 @@ void check_points(const SafetyProblem& problem, double level_band, const Points&
 bool allows_zero(Condition condition) { return condition == Condition::initial; }
 
 Points residuals(const Networks& networks, const SafetyProblem& problem, double level_band, const Points& x,
-                 Precision precision) {
+                 Precision precision, const ExecutionDemand& demand) {
   check_points(problem, level_band, x);
-  const Ingredients at =
-      precision == Precision::single_ ? evaluate_all<float>(networks, x) : evaluate_all<double>(networks, x);
+  const Ingredients at = precision == Precision::single_
+                             ? evaluate_all<float>(networks, level_band, x, demand)
+                             : evaluate_all<double>(networks, level_band, x, demand);
   const Mask inside = within(problem.workspace, x);
   Points all(x.rows(), condition_count);
   for (std::size_t i = 0; i < all_conditions.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "s2nnds/conditions/execution_model.h"
 #include "s2nnds/core/enum_names.h"
 #include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/safety_problem.h"
@@ -48,8 +49,10 @@ enum class Precision { single_, double_ };
 // The residuals at N points [N, n] -> [N, condition_count]; -infinity where a condition does not apply, NaN
 // where a network overflows. `level_band` is eps_B, the half-width of the band around {B = 0}. Nothing
 // applies outside X; a point at the goal itself (x = 0 exactly) is outside rho_1 and rho_2.
+// With a `demand`, rho_5 and, beyond its radius, rho_2 are the rates along the worst motion that the execution model admits
+// (worst_perturbation.h) instead of those along f.
 Points residuals(const Networks& networks, const SafetyProblem& problem, double level_band, const Points& x,
-                 Precision precision = Precision::double_);
+                 Precision precision = Precision::double_, const ExecutionDemand& demand = {});
 
 // One column of `residuals` [N], evaluating only the networks that it needs.
 Vector residual(Condition condition, const Networks& networks, const SafetyProblem& problem,

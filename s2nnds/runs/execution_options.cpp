@@ -25,6 +25,12 @@ double data_units(const ExecutionOptions& options, const Frame& frame, double no
   return from->second / to->second;
 }
 
+// How many times as large as demonstrated the robot moves.
+double enlargement(const ExecutionOptions& options, const Frame& frame) {
+  if (!(options.extent > 0.0)) return 1.0;
+  return options.extent * data_units(options, frame, frame.position_scale) / frame.position_scale;
+}
+
 std::string milliseconds(double seconds) { return fmt::format("{:.4g} ms", 1000.0 * seconds); }
 
 }  // namespace
@@ -50,6 +56,8 @@ void ExecutionOptions::visit(FieldVisitor& v) {
   v.field("velocity_error", velocity_error, at_least(0.0));
   v.field("velocity_error_relative", velocity_error_relative, {.low = 0.0, .high = 1.0, .open_high = true});
   v.field("speed", speed, above(0.0));
+  v.field("extent", extent, at_least(0.0));
+  v.field("convergence_radius", convergence_radius, at_least(0.0));
 }
 
 bool ExecutionOptions::is_ideal() const {
@@ -58,8 +66,9 @@ bool ExecutionOptions::is_ideal() const {
 }
 
 ExecutionModel execution_model(const ExecutionOptions& options, const Frame& frame, double field_error) {
-  const double length = data_units(options, frame, frame.position_scale) / frame.position_scale,
-               velocity = data_units(options, frame, frame.velocity_scale) / frame.velocity_scale;
+  const double size = enlargement(options, frame),
+               length = data_units(options, frame, frame.position_scale) / frame.position_scale / size,
+               velocity = data_units(options, frame, frame.velocity_scale) / frame.velocity_scale / size;
   // The roundings of these few operations.
   constexpr double up = 1.0 + 1e-14;
   return {.period = options.period / frame.time_scale() * up,
@@ -71,6 +80,16 @@ ExecutionModel execution_model(const ExecutionOptions& options, const Frame& fra
           .field_error = field_error,
           .least_speed = options.speed,
           .most_speed = options.speed};
+}
+
+ExecutionDemand execution_demand(const ExecutionOptions& options, const Frame& frame) {
+  ExecutionDemand demand{.model = execution_model(options, frame, 0.0)};
+  if (options.convergence_radius > 0.0) {
+    demand.convergence_radius = options.convergence_radius *
+                                data_units(options, frame, frame.position_scale) / frame.position_scale /
+                                enlargement(options, frame);
+  }
+  return demand;
 }
 
 std::string execution_in_words(const ExecutionOptions& options, const Frame& frame) {
@@ -88,6 +107,11 @@ std::string execution_in_words(const ExecutionOptions& options, const Frame& fra
   if (options.lag > 0.0)
     text += fmt::format(", behind a lag of first order of {} that starts at the first command",
                         milliseconds(options.lag));
+  if (options.extent > 0.0)
+    text += fmt::format(
+        ", where it moves {:.4g} times as large as demonstrated (all other lengths and speeds are those of "
+        "the demonstrations' size)",
+        enlargement(options, frame));
   return text;
 }
 

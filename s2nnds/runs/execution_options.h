@@ -3,13 +3,13 @@
 
 #include <string>
 
+#include "s2nnds/conditions/execution_model.h"
 #include "s2nnds/core/options.h"
 #include "s2nnds/data/frame.h"
-#include "s2nnds/verification/execution_model.h"
 
 namespace s2nnds {
 
-// How the robot executes the motion, for the proof to cover it (verification/execution_model.h). All zeros: only the
+// How the robot executes the motion, for the proof to cover it (conditions/execution_model.h). All zeros: only the
 // ideal motion x' = f(x) is certified.
 struct ExecutionOptions {
   // Where the other keys start from: none, or arm_1khz, an arm at 1 kHz with feed-forward: 1 ms period, 1 ms delay,
@@ -24,6 +24,12 @@ struct ExecutionOptions {
   double velocity_error = 0.0;           // in `unit` a second: of the arm's velocity, at most, >= 0
   double velocity_error_relative = 0.0;  // the same as a share of the commanded velocity, in [0, 1)
   double speed = 1.0;                    // factor on f with which the motion is executed, > 0
+  // In `unit`: what the demonstrations' largest coordinate (1 normalised) is where the robot moves on another scale
+  // than they were recorded on, >= 0; 0: on the same. Times stay; the other lengths and velocities are the robot's.
+  double extent = 0.0;
+  // In `unit`, >= 0: training asks for V to fall as executed where the goal is farther than this; 0: nowhere. What ball the
+  // motion converges to is proved and told in any case.
+  double convergence_radius = 0.0;
 
   void visit(FieldVisitor& v);  // names each field once; a preset that is read sets all others
 
@@ -34,7 +40,10 @@ struct ExecutionOptions {
 // where `unit` cannot be told from the data's.
 ExecutionModel execution_model(const ExecutionOptions& options, const Frame& frame, double field_error);
 
-// The model in words, in the data's unit: "a reading every 1 ms or sooner, at most 1 ms old and wrong by at most ...".
+// What training asks of the conditions; all but field_error, which depends on f.
+ExecutionDemand execution_demand(const ExecutionOptions& options, const Frame& frame);
+
+// The model in words, in the data's unit, lengths as the robot moves: "a reading every 1 ms or sooner, at most 1 ms old and wrong by at most ...".
 std::string execution_in_words(const ExecutionOptions& options, const Frame& frame);
 
 }  // namespace s2nnds

@@ -395,6 +395,7 @@ void RunTiming::visit(FieldVisitor& v) {
   v.field("verification_proof", verification_proof, any_number());
   v.field("proof", proof, any_number());
   v.field("disturbance_margin", disturbance_margin, any_number());
+  v.field("execution", execution, any_number());
   v.field("evaluation", evaluation, any_number());
 }
 

@@ -89,6 +89,7 @@ struct RunTiming {
   double verification_proof = not_measured;  // the last verify() by proof: proof, disturbance_margin and more
   double proof = not_measured;               // prove() alone
   double disturbance_margin = not_measured;  // disturbance_margin() alone
+  double execution = not_measured;           // prove_executed() alone
   double evaluation = not_measured;          // evaluate()
 
   void visit(FieldVisitor& v);  // names each field once

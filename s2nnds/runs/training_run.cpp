@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "s2nnds/evaluation/topology.h"
-#include "s2nnds/runs/disturbance_falsifier.h"
+#include "s2nnds/runs/execution_falsifier.h"
 #include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/proof_source.h"
 #include "s2nnds/runs/training_checkpoint.h"
@@ -15,10 +15,15 @@ namespace s2nnds {
 
 TrainerSummary train(const PreparedRun& setup, RunRecord& record, const TrainingHooks& hooks) {
   const Config& config = setup.config;
-  Trainer trainer(setup.problem, setup.train(), config.networks, config.training, config.seed);
+  TrainerOptions options = config.training;
+  options.loss.execution = execution_demand(config.execution, setup.data.frame);
+  options.loss.execution.model.velocity_error += config.execution.speed * options.margin;
+  Trainer trainer(setup.problem, setup.train(), config.networks, options, config.seed);
   // The prover sees all that samples can miss.
   const bool proves = config.verification.method == Method::proof;
-  const FalsifierOptions search{std::max<std::int64_t>(1, config.training.samples / (proves ? 10 : 1))};
+  const FalsifierOptions search{
+      .samples = std::max<std::int64_t>(1, config.training.samples / (proves ? 10 : 1)),
+      .execution = options.loss.execution};
   trainer.add_source(std::make_shared<RandomFalsifier>(setup.problem, search));
   trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
   if (proves) {
@@ -26,7 +31,7 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
     if (setup.problem.dimension() > 2)
       quick.max_boxes = quick.max_after_refuted = config.verification.proof.max_boxes;
     trainer.add_source(std::make_shared<ProofSource>(quick));
-    trainer.add_source(std::make_shared<DisturbanceFalsifier>());
+    trainer.add_source(std::make_shared<ExecutionFalsifier>(options.loss.execution.model));
   }
   trainer.set_rollout_labels([&](const NetworkWeights& f, const Points& starts) {
     return rollout_is_safe(f, setup.problem, starts);

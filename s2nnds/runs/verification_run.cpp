@@ -18,12 +18,14 @@ ExecutionModel model_of(const PreparedRun& setup, const Certificate& certificate
   return execution_model(setup.config.execution, setup.data.frame, certificate.float32_error);
 }
 
-void verify_executed(const PreparedRun& setup, const ProofFunctions& functions, Certificate& certificate) {
+void verify_executed(const PreparedRun& setup, const ProofFunctions& functions, RunRecord& record) {
+  Certificate& certificate = record.certificate;
   const ExecutionModel model = model_of(setup, certificate);
   ExecutionCertificate& found = certificate.execution;
   const ExecutedMotion executed = prove_executed(functions, setup.problem, model);
   found.model = execution_in_words(setup.config.execution, setup.data.frame);
   found.reason = executed.reason;
+  record.timing.execution = executed.seconds;
   found.speed = setup.config.execution.speed;
   found.invariant = executed.invariant;
   found.convergence_radius = executed.convergence_radius;
@@ -66,7 +68,7 @@ std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecor
     certificate.convergence_radius = margin.convergence_radius;
     certificate.float32_error = float32_error(record.networks.f, setup.problem.workspace);
     record.timing.disturbance_margin = margin.seconds;
-    if (!setup.config.execution.is_ideal()) verify_executed(setup, functions, certificate);
+    if (!setup.config.execution.is_ideal()) verify_executed(setup, functions, record);
   }
   record.timing.proof = result.seconds;
   return result.verdicts();

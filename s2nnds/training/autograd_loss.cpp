@@ -6,15 +6,49 @@
 namespace s2nnds {
 namespace {
 
-// A scalar network W and grad W . direction, both [N]; the direction may be undefined.
-template <typename Network>
-void evaluate(Network& network, const torch::Tensor& x, const torch::Tensor& direction, torch::Tensor& value,
-              torch::Tensor& dot) {
+// [N, n] over its norms; 0 where they are.
+torch::Tensor unit(const torch::Tensor& vectors) {
+  const torch::Tensor size = vectors.norm(2, {1}, true);
+  return torch::where(size == 0.0, torch::zeros_like(vectors), vectors / size);
+}
+
+// As worst_perturbation.h for gradients [N, n] and f(x) [N, n]; constants. `jacobian` [N, n, n] may be undefined.
+torch::Tensor worst_perturbations(const ExecutionModel& model, const torch::Tensor& gradient,
+                                  const torch::Tensor& f, const torch::Tensor& jacobian) {
+  const torch::Tensor command = f.norm(2, {1}, true) + model.field_error,
+                      relative = model.velocity_error_relative * command + model.field_error;
+  torch::Tensor delta = (model.velocity_error / model.least_speed + relative) * unit(gradient);
+  if (!jacobian.defined()) return delta;
+  const double window = model.window() + model.lag;
+  const torch::Tensor pulled = torch::einsum("bij,bi->bj", {jacobian, gradient}),
+                      along = (pulled * f).sum(1, true),
+                      error = model.position_error +
+                              window * (model.velocity_error + model.most_speed * relative);
+  const torch::Tensor displacement = error * unit(pulled) + window * model.most_speed * along.sign() * f;
+  return delta + torch::einsum("bij,bj->bi", {jacobian, displacement});
+}
+
+// d f_i / d x_j [N, n, n], constants; undefined where the model does not need it.
+torch::Tensor jacobian_of(VectorField& f, const torch::Tensor& x, const ExecutionModel& model) {
+  if (!model.displaces()) return {};
+  const torch::Tensor point = x.detach().requires_grad_(true), value = f(point);
+  std::vector<torch::Tensor> rows;
+  for (std::int64_t i = 0; i < x.size(1); ++i)
+    rows.push_back(torch::autograd::grad({value.select(1, i).sum()}, {point}, {}, true, false)[0]);
+  return torch::stack(rows, 1).detach();
+}
+
+// A scalar network W and grad W . direction, both [N]; the direction may be undefined. `perturb` gives what is added
+// to it where grad W is known.
+template <typename Network, typename Perturb>
+void evaluate(Network& network, const torch::Tensor& x, const torch::Tensor& direction,
+              const Perturb& perturb, torch::Tensor& value, torch::Tensor& dot) {
   const torch::Tensor point = x.detach().requires_grad_(direction.defined());
   value = network(point);
   if (!direction.defined()) return;
   const torch::Tensor gradient = torch::autograd::grad({value.sum()}, {point}, {}, true, true)[0];
-  dot = (gradient * direction).sum(1);
+  const torch::Tensor delta = perturb(gradient.detach());
+  dot = (gradient * (delta.defined() ? direction + delta : direction)).sum(1);
 }
 
 SampleTensors with_constants(SampleTensors at, const Quantities& constant) {
@@ -29,14 +63,25 @@ SampleTensors with_constants(SampleTensors at, const Quantities& constant) {
 }  // namespace
 
 SampleTensors quantities_at(Modules& networks, const BatchTensors& batch, Samples set,
-                            const Quantities& needs) {
+                            const Quantities& needs, const ExecutionDemand& demand) {
   const torch::Tensor& x = batch.points(set);
   SampleTensors at;
   at.beside = batch.beside(set);
   if (needs.any_f()) at.f = networks.f(x);
   const torch::Tensor none;
-  if (needs.any_V()) evaluate(networks.V, x, needs.V_dot ? at.f : none, at.V, at.V_dot);
-  if (needs.any_B()) evaluate(networks.B, x, needs.B_dot ? at.f : none, at.B, at.B_dot);
+  const bool of_V = needs.V_dot && demand.asks_of_lyapunov(), of_B = needs.B_dot && demand.asks_of_barrier();
+  const torch::Tensor jacobian = of_V || of_B ? jacobian_of(networks.f, x, demand.model) : none;
+  const auto perturb_V = [&](const torch::Tensor& gradient) {
+    if (!of_V) return none;
+    const torch::Tensor beyond = x.norm(2, {1}, true) > demand.convergence_radius;
+    return torch::where(beyond, worst_perturbations(demand.model, gradient, at.f.detach(), jacobian),
+                        torch::zeros_like(gradient));
+  };
+  const auto perturb_B = [&](const torch::Tensor& gradient) {
+    return of_B ? worst_perturbations(demand.model, gradient, at.f.detach(), jacobian) : none;
+  };
+  if (needs.any_V()) evaluate(networks.V, x, needs.V_dot ? at.f : none, perturb_V, at.V, at.V_dot);
+  if (needs.any_B()) evaluate(networks.B, x, needs.B_dot ? at.f : none, perturb_B, at.B, at.B_dot);
   return at;
 }
 
@@ -53,7 +98,7 @@ LossValue autograd_loss(Modules& networks, const LossTable& table, const LossOpt
     for (const LossPart& part : table) {
       if (counts(part)) needs = needs | part.needs;
     }
-    const SampleTensors at = quantities_at(networks, batch, set, needs);
+    const SampleTensors at = quantities_at(networks, batch, set, needs, options.execution);
     for (const LossPart& part : table) {
       if (!counts(part)) continue;
       const torch::Tensor value =

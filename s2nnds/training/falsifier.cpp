@@ -78,7 +78,8 @@ Counterexamples RandomFalsifier::find(const Networks& networks, const SafetyProb
   RandomStream random(seed, "falsifier/random", round);
   const Points x = all_samples(problem, samplers_, options_.samples, random);
   // In single precision: whoever calls a run verified has looked again in double.
-  return violators(x, residuals(networks, problem, level_band, x, Precision::single_), options_.keep);
+  return violators(x, residuals(networks, problem, level_band, x, Precision::single_, options_.execution),
+                   options_.keep);
 }
 
 LocalSearchFalsifier::LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options,
@@ -89,7 +90,7 @@ Counterexamples LocalSearchFalsifier::find(const Networks& networks, const Safet
                                            double level_band, std::uint64_t seed, std::int64_t round) {
   RandomStream random(seed, "falsifier/local search", round);
   const Points x = all_samples(problem, samplers_, options_.samples / 10, random);
-  const Points residual = residuals(networks, problem, level_band, x);
+  const Points residual = residuals(networks, problem, level_band, x, Precision::double_, options_.execution);
   Counterexamples found;
   for (Eigen::Index q = 0; q < condition_count; ++q) {
     std::vector<Eigen::Index> applicable;
@@ -113,7 +114,8 @@ Counterexamples LocalSearchFalsifier::find(const Networks& networks, const Safet
                                    problem.workspace.upper[k]);
         }
       }
-      const Points climbed = residuals(networks, problem, level_band, trial);
+      const Points climbed =
+          residuals(networks, problem, level_band, trial, Precision::double_, options_.execution);
       for (Eigen::Index i = 0; i < trial.rows(); ++i) {
         if (climbed(i, q) > value[i]) {
           best.row(i) = trial.row(i);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "s2nnds/conditions/worst_perturbation.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
 
@@ -46,7 +47,9 @@ struct FusedLoss<T>::Chunk {
     constexpr auto rows = static_cast<std::size_t>(FusedNetwork<T>::tile_rows);
     const auto n = static_cast<std::size_t>(network_f.inputs()),
                m = static_cast<std::size_t>(network_V.outputs());
-    for (auto* of_f : {&velocity, &velocity_adjoint, &part}) of_f->resize(rows * n);
+    for (auto* of_f : {&velocity, &velocity_adjoint, &part, &axis, &gradient, &direction_V, &direction_B})
+      of_f->resize(rows * n);
+    jacobian.resize(rows * n * n);
     for (auto* of_V : {&features, &tangent, &features_adjoint, &tangent_adjoint}) of_V->resize(rows * m);
     for (auto* of_B : {&barrier, &barrier_dot, &barrier_adjoint, &barrier_dot_adjoint}) of_B->resize(rows);
     for (auto* scalar : {&values, &adjoints}) scalar->resize(4 * rows);
@@ -70,8 +73,10 @@ struct FusedLoss<T>::Chunk {
   double* adjoint(ptrdiff_t k) { return adjoints.data() + k * FusedNetwork<T>::tile_rows; }
 
   FusedTile<T> f, V, B;
-  std::vector<T> velocity, velocity_adjoint, part;                            // [rows, n]
-  std::vector<T> features, tangent, features_adjoint, tangent_adjoint;        // [rows, features]
+  std::vector<T> velocity, velocity_adjoint, part;                      // [rows, n]
+  std::vector<T> axis, gradient, direction_V, direction_B;              // [rows, n], for perturbed motions
+  std::vector<T> jacobian;                                              // [rows, n, n]
+  std::vector<T> features, tangent, features_adjoint, tangent_adjoint;  // [rows, features]
   std::vector<T> barrier, barrier_dot, barrier_adjoint, barrier_dot_adjoint;  // [rows]
   std::vector<double> values, adjoints;                                       // [4, rows]
   std::vector<T> f_origin_adjoint, V_origin_adjoint;                          // of N(0)
@@ -149,9 +154,79 @@ void FusedLoss<T>::take_origins() {
   if (shape_V_.head != Head::plain) V_.forward(1, origin_.data(), nullptr, V_at_origin_.data(), nullptr);
 }
 
-// V and Vdot from the network's outputs, by V's head.
+// Calls visit(k, e_k) with e_k [rows, n] for each axis.
+template <typename T, typename Visit>
+void for_axes(std::vector<T>& axis, ptrdiff_t n, ptrdiff_t rows, const Visit& visit) {
+  for (ptrdiff_t k = 0; k < n; ++k) {
+    for (ptrdiff_t i = 0; i < rows * n; ++i) axis[i] = i % n == k ? T(1) : T(0);
+    visit(k, axis.data());
+  }
+}
+
 template <typename T>
-void FusedLoss<T>::finish_V(Chunk& chunk, const Quantities& needs, const T* x, ptrdiff_t rows) const {
+void FusedLoss<T>::take_jacobian(Chunk& chunk, const Quantities& needs, const T* x, ptrdiff_t rows) const {
+  const bool counts = (needs.V_dot && options_.execution.asks_of_lyapunov()) ||
+                      (needs.B_dot && options_.execution.asks_of_barrier());
+  if (!counts || !options_.execution.model.displaces()) return;
+  const ptrdiff_t n = dimension_;
+  for_axes(chunk.axis, n, rows, [&](ptrdiff_t k, const T* axis) {
+    chunk.f.forward(rows, x, axis, chunk.velocity.data(), chunk.part.data());
+    for (ptrdiff_t i = 0; i < rows * n; ++i) chunk.jacobian[i * n + k] = chunk.part[i];
+  });
+}
+
+// From chunk.gradient.
+template <typename T>
+void FusedLoss<T>::perturb(Chunk& chunk, ptrdiff_t rows, std::vector<T>& directions) const {
+  const ptrdiff_t n = dimension_;
+  for (ptrdiff_t s = 0; s < rows; ++s) {
+    T* direction = directions.data() + s * n;
+    const T* velocity = chunk.velocity.data() + s * n;
+    worst_perturbation(options_.execution.model, n, chunk.gradient.data() + s * n, velocity,
+                       chunk.jacobian.data() + s * n * n, direction);
+    for (ptrdiff_t k = 0; k < n; ++k) direction[k] += velocity[k];
+  }
+}
+
+template <typename T>
+const T* FusedLoss<T>::direction_of_V(Chunk& chunk, const Quantities& needs, const T* x,
+                                      ptrdiff_t rows) const {
+  if (!needs.V_dot) return nullptr;
+  if (!options_.execution.asks_of_lyapunov()) return chunk.velocity.data();
+  const ptrdiff_t n = dimension_;
+  for_axes(chunk.axis, n, rows, [&](ptrdiff_t k, const T* axis) {
+    chunk.V.forward(rows, x, axis, chunk.features.data(), chunk.tangent.data());
+    finish_V(chunk, true, x, axis, rows);
+    for (ptrdiff_t s = 0; s < rows; ++s) chunk.gradient[s * n + k] = static_cast<T>(chunk.value(1)[s]);
+  });
+  perturb(chunk, rows, chunk.direction_V);
+  for (ptrdiff_t s = 0; s < rows; ++s) {
+    double squared = 0.0;
+    for (ptrdiff_t k = 0; k < n; ++k) squared += static_cast<double>(x[s * n + k]) * x[s * n + k];
+    if (!(std::sqrt(squared) > options_.execution.convergence_radius))
+      std::copy_n(chunk.velocity.data() + s * n, n, chunk.direction_V.data() + s * n);
+  }
+  return chunk.direction_V.data();
+}
+
+template <typename T>
+const T* FusedLoss<T>::direction_of_B(Chunk& chunk, const Quantities& needs, const T* x,
+                                      ptrdiff_t rows) const {
+  if (!needs.B_dot) return nullptr;
+  if (!options_.execution.asks_of_barrier()) return chunk.velocity.data();
+  const ptrdiff_t n = dimension_;
+  for_axes(chunk.axis, n, rows, [&](ptrdiff_t k, const T* axis) {
+    chunk.B.forward(rows, x, axis, chunk.barrier.data(), chunk.barrier_dot.data());
+    for (ptrdiff_t s = 0; s < rows; ++s) chunk.gradient[s * n + k] = chunk.barrier_dot[s];
+  });
+  perturb(chunk, rows, chunk.direction_B);
+  return chunk.direction_B.data();
+}
+
+// V and Vdot, along `direction`, from the network's outputs, by V's head.
+template <typename T>
+void FusedLoss<T>::finish_V(Chunk& chunk, bool wants_V_dot, const T* x, const T* direction,
+                            ptrdiff_t rows) const {
   const ptrdiff_t n = dimension_, m = V_.outputs();
   const bool squared = shape_V_.head == Head::squared_norm;
   for (ptrdiff_t s = 0; s < rows; ++s) {
@@ -168,14 +243,14 @@ void FusedLoss<T>::finish_V(Chunk& chunk, const Quantities& needs, const T* x, p
         V += shape_V_.quadratic * point * point;
       }
     }
-    if (needs.V_dot && squared) {
+    if (wants_V_dot && squared) {
       for (ptrdiff_t j = 0; j < m; ++j)
         V_dot += 2.0 * static_cast<double>(feature[j]) * static_cast<double>(tangent[j]);
       for (ptrdiff_t k = 0; k < n; ++k) {
         const double point = x[s * n + k];
-        V_dot += 2.0 * shape_V_.quadratic * point * static_cast<double>(chunk.velocity[s * n + k]);
+        V_dot += 2.0 * shape_V_.quadratic * point * static_cast<double>(direction[s * n + k]);
       }
-    } else if (needs.V_dot) {
+    } else if (wants_V_dot) {
       V_dot = tangent[0];
     }
     chunk.value(0)[s] = V;
@@ -214,30 +289,32 @@ void FusedLoss<T>::run_tile(Chunk& chunk, const Work& work, const BatchView<T>& 
   const ptrdiff_t n = dimension_, rows = work.rows;
   const T* x = batch.points(work.set).data + work.first * n;
   const T* beside = batch.beside(work.set).data;
-  T* direction = chunk.velocity.data();
+  T* velocity = chunk.velocity.data();
+  take_jacobian(chunk, needs, x, rows);
   if (needs.any_f()) {
-    chunk.f.forward(rows, x, nullptr, direction, nullptr);
-    for (ptrdiff_t i = 0; i < rows * n; ++i) direction[i] -= f_at_origin_[i % n];
+    chunk.f.forward(rows, x, nullptr, velocity, nullptr);
+    for (ptrdiff_t i = 0; i < rows * n; ++i) velocity[i] -= f_at_origin_[i % n];
   }
   if (needs.any_V()) {
-    chunk.V.forward(rows, x, needs.V_dot ? direction : nullptr, chunk.features.data(), chunk.tangent.data());
-    finish_V(chunk, needs, x, rows);
+    const T* direction = direction_of_V(chunk, needs, x, rows);
+    chunk.V.forward(rows, x, direction, chunk.features.data(), chunk.tangent.data());
+    finish_V(chunk, needs.V_dot, x, direction, rows);
   }
   if (needs.any_B()) {
-    chunk.B.forward(rows, x, needs.B_dot ? direction : nullptr, chunk.barrier.data(),
-                    chunk.barrier_dot.data());
+    const T* direction = direction_of_B(chunk, needs, x, rows);
+    chunk.B.forward(rows, x, direction, chunk.barrier.data(), chunk.barrier_dot.data());
     std::copy_n(chunk.barrier.begin(), rows, chunk.value(2));
     if (needs.B_dot) std::copy_n(chunk.barrier_dot.begin(), rows, chunk.value(3));
   }
 
-  T* direction_adjoint = chunk.velocity_adjoint.data();
-  std::fill_n(direction_adjoint, rows * n, T(0));
+  T* velocity_adjoint = chunk.velocity_adjoint.data();
+  std::fill_n(velocity_adjoint, rows * n, T(0));
   std::fill(chunk.adjoints.begin(), chunk.adjoints.end(), 0.0);
   const Tile<T> tile{rows,
                      n,
-                     direction,
+                     velocity,
                      beside ? beside + work.first * n : nullptr,
-                     direction_adjoint,
+                     velocity_adjoint,
                      chunk.value(0),
                      chunk.value(1),
                      chunk.value(2),
@@ -258,14 +335,14 @@ void FusedLoss<T>::run_tile(Chunk& chunk, const Work& work, const BatchView<T>& 
 
   T* along = trains_ == Trains::all ? chunk.part.data() : nullptr;
   const auto add_part = [&] {
-    for (ptrdiff_t i = 0; i < rows * n; ++i) direction_adjoint[i] += along[i];
+    for (ptrdiff_t i = 0; i < rows * n; ++i) velocity_adjoint[i] += along[i];
   };
   if (needs.any_V() && trains_ == Trains::all) {
     start_back_V(chunk, needs, rows);
     chunk.V.backward(chunk.features_adjoint.data(), chunk.tangent_adjoint.data(), along);
     if (needs.V_dot) {
       for (ptrdiff_t i = 0; i < rows * n; ++i)
-        direction_adjoint[i] += static_cast<T>(2.0 * shape_V_.quadratic * chunk.adjoint(1)[i / n]) * x[i];
+        velocity_adjoint[i] += static_cast<T>(2.0 * shape_V_.quadratic * chunk.adjoint(1)[i / n]) * x[i];
       add_part();
     }
   }
@@ -278,8 +355,8 @@ void FusedLoss<T>::run_tile(Chunk& chunk, const Work& work, const BatchView<T>& 
     if (needs.B_dot && along) add_part();
   }
   if (!needs.any_f() || trains_ == Trains::barrier) return;
-  for (ptrdiff_t i = 0; i < rows * n; ++i) chunk.f_origin_adjoint[i % n] -= direction_adjoint[i];
-  chunk.f.backward(direction_adjoint, nullptr, nullptr);
+  for (ptrdiff_t i = 0; i < rows * n; ++i) chunk.f_origin_adjoint[i % n] -= velocity_adjoint[i];
+  chunk.f.backward(velocity_adjoint, nullptr, nullptr);
 }
 
 // N(0) enters every sample: its adjoints add up, and it goes back once.

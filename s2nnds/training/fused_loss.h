@@ -65,7 +65,13 @@ class FusedLoss {
   void share_out(const BatchView<T>& batch);
   void take_origins();
   void run_tile(Chunk& chunk, const Work& work, const BatchView<T>& batch) const;
-  void finish_V(Chunk& chunk, const Quantities& needs, const T* x, std::ptrdiff_t rows) const;
+  // J_f at the tile's samples, where LossOptions::execution needs it.
+  void take_jacobian(Chunk& chunk, const Quantities& needs, const T* x, std::ptrdiff_t rows) const;
+  // f(x) with what LossOptions::execution adds to it at worst for V or B: the direction of Vdot and Bdot.
+  const T* direction_of_V(Chunk& chunk, const Quantities& needs, const T* x, std::ptrdiff_t rows) const;
+  const T* direction_of_B(Chunk& chunk, const Quantities& needs, const T* x, std::ptrdiff_t rows) const;
+  void perturb(Chunk& chunk, std::ptrdiff_t rows, std::vector<T>& directions) const;
+  void finish_V(Chunk& chunk, bool wants_V_dot, const T* x, const T* direction, std::ptrdiff_t rows) const;
   void start_back_V(Chunk& chunk, const Quantities& needs, std::ptrdiff_t rows) const;
   void run_origins();
 

@@ -2,8 +2,10 @@
 #include "s2nnds/training/level.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
+#include "s2nnds/conditions/worst_perturbation.h"
 #include "s2nnds/networks/evaluator.h"
 
 namespace s2nnds {
@@ -40,9 +42,20 @@ std::optional<double> LevelChoice::largest(const Networks& networks, RandomStrea
   if (!(low <= high)) return std::nullopt;
 
   const Points x = uniform_points(workspace_, options_.samples, random);
+  const Points velocity = f.value(x);
   Points value, derivative;
-  B.value_and_derivative(x, f.value(x), value, derivative);
+  B.value_and_derivative(x, velocity, value, derivative);
   if (!value.allFinite()) return std::nullopt;  // an overflowing network has no level sets
+  if (options_.execution.asks_of_barrier()) {
+    std::vector<Eigen::Index> near;
+    for (Eigen::Index i = 0; i < x.rows(); ++i) {
+      if (std::abs(value(i, 0)) <= options_.reach + 1.5 * options_.level_band) near.push_back(i);
+    }
+    const auto all = Eigen::all;
+    if (!near.empty())
+      derivative(near, 0) +=
+          perturbation_work<float>(options_.execution.model, B, f, x(near, all), velocity(near, all));
+  }
   std::vector<double> forbidden;
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     if (!(derivative(i, 0) <= -options_.slack_decrease)) forbidden.push_back(value(i, 0));

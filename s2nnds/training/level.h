@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "s2nnds/conditions/condition.h"
+#include "s2nnds/conditions/execution_model.h"
 #include "s2nnds/core/random.h"
 #include "s2nnds/problem/region_sampler.h"
 
@@ -19,6 +20,7 @@ struct LevelOptions {
   double reach = 0.1;            // |c| at most, >= 0
   double slack = 0.005;          // B differs from c by at least this on X0 and Xu, >= 0
   double slack_decrease = 0.03;  // where |B - c| <= 1.5 level_band, Bdot <= -slack_decrease; >= 0
+  ExecutionDemand execution = {};     // whose Bdot that is
 };
 
 // Which level set of B to call {B = 0}. The conditions on B speak of one level set only, and what training

@@ -109,7 +109,9 @@ class Trainer::Impl {
         options_(options),
         seed_(seed),
         sampler_(problem, smoothed(demonstrations, options.smoothing), options),
-        level_(problem, {.level_band = options.level_band, .reach = options.max_level_shift}) {
+        level_(problem, {.level_band = options.level_band,
+                         .reach = options.max_level_shift,
+                         .execution = options.loss.execution}) {
     RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
     modules_.f = make_field(1);
     modules_.V = Lyapunov(problem.dimension(), networks.V, start_v);

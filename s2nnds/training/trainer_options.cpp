@@ -60,6 +60,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("obstacle_margin", obstacle_margin, at_least(0.0));
   v.field("samples", samples, at_least(1));
   v.field("level_band", level_band, above(0.0));
+  v.field("margin", margin, at_least(0.0));
   v.group("warm_start", warm_start);
   v.group("loss", loss);
   v.group("batch", batch);

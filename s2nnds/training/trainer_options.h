@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "s2nnds/conditions/execution_model.h"
 #include "s2nnds/core/options.h"
 #include "s2nnds/training/loss_term.h"
 
@@ -47,6 +48,8 @@ struct LossOptions {
   // paper: delta_l2, in V per normalised time, any sign. As printed: Vdot <= margin_decrease is wanted on X.
   double margin_decrease = 0.0;
   double leak = 0.0;  // paper: alpha, the slope of the leaky ReLU below 0, in [0, 1]; 0: relu
+  // No key: follows from [execution]. Vdot and Bdot are those of the worst motion that it admits.
+  ExecutionDemand execution = {};
 
   void visit(FieldVisitor& v);  // names every key and its range
 };
@@ -100,6 +103,8 @@ struct TrainerOptions {
   // looks, too.
   std::int64_t samples = 200000;
   double level_band = 0.01;     // eps_B > 0: Bdot < 0 must hold where |B| <= level_band
+  // Normalised velocity, >= 0: {B <= 0} must withstand disturbances of this size, too; on top of what [execution] asks.
+  double margin = 0.0;
   WarmStartOptions warm_start;  // the first fit of f alone
   LossOptions loss;             // the terms of the loss
   BatchOptions batch;           // the samples of a step

@@ -356,23 +356,25 @@ std::string beyond_range(const ProofFunctions& functions, const Box& workspace,
   return "";
 }
 
-BranchLimits level_set_limits() {
+// Boxes that fail come back; one that does is enough to end.
+BranchLimits level_set_limits(std::int64_t kept_boxes = 0) {
   BranchLimits limits;
   limits.max_boxes = most_boxes;
-  limits.max_abandoned = 1;
-  limits.kept_boxes = 0;
+  limits.max_abandoned = std::max<std::int64_t>(kept_boxes, 1);
+  limits.kept_boxes = kept_boxes;
   limits.max_seconds = most_seconds;
   return limits;
 }
 
 BranchResult examine_level_set(const ProofFunctions& functions, const SafetyProblem& problem,
-                               const PerturbationFactory& perturbation, LevelSetVariation* variation) {
+                               const PerturbationFactory& perturbation, LevelSetVariation* variation,
+                               std::int64_t kept_boxes = 0) {
   const Box& workspace = problem.workspace;
   const double resolution = level_resolution * (workspace.upper - workspace.lower).maxCoeff();
   return branch_and_bound(
       workspace.lower.transpose(), workspace.upper.transpose(),
       [&] { return std::make_unique<LevelSetExaminer>(functions, resolution, perturbation(), variation); },
-      level_set_limits());
+      level_set_limits(kept_boxes));
 }
 
 PerturbationFactory perturbations(const ProofFunctions& functions, const ExecutionBounds& bounds,
@@ -421,6 +423,22 @@ ExecutedMotion prove_executed(const ProofFunctions& functions, const SafetyProbl
   }
   result.seconds = watch.seconds();
   return result;
+}
+
+BranchResult prove_executed_invariance(const ProofFunctions& functions, const SafetyProblem& problem,
+                                       const ExecutionModel& model, std::int64_t kept_boxes) {
+  check_model(model);
+  const StandardFloatingPoint mode;
+  const ExecutionBounds bounds = bounds_of(functions, problem, model);
+  if (!beyond_range(functions, problem.workspace, bounds).empty()) {
+    BranchResult open;
+    open.stopped = true;
+    open.open_boxes = 1;
+    open.open_lower = problem.workspace.lower.transpose();
+    open.open_upper = problem.workspace.upper.transpose();
+    return open;
+  }
+  return examine_level_set(functions, problem, perturbations(functions, bounds, false), nullptr, kept_boxes);
 }
 
 SpeedRange certified_speeds(const ProofFunctions& functions, const SafetyProblem& problem,

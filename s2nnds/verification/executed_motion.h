@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "s2nnds/conditions/execution_model.h"
 #include "s2nnds/problem/safety_problem.h"
-#include "s2nnds/verification/execution_model.h"
 #include "s2nnds/verification/prover.h"
 
 namespace s2nnds {
@@ -29,6 +29,11 @@ struct ExecutedMotion {
 // on a model outside of the ranges that it names, or one whose dimension differs.
 ExecutedMotion prove_executed(const ProofFunctions& functions, const SafetyProblem& problem,
                               const ExecutionModel& model);
+
+// Whether {B <= 0} is invariant for motions as executed, as prove_executed says; at most `kept_boxes` boxes where that stays open
+// come back.
+BranchResult prove_executed_invariance(const ProofFunctions& functions, const SafetyProblem& problem,
+                                       const ExecutionModel& model, std::int64_t kept_boxes);
 
 // Speed factors for which {B <= 0} is certified to be invariant: all from `least` to `most`, proved interval by
 // interval. Both are 0 if the model's own speed is not certified. `least` is 0 where arbitrarily slow motions are

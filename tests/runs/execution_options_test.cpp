@@ -61,15 +61,22 @@ TEST(ExecutionOptions, BecomeNormalised) {
   ExecutionOptions normalised = options;
   normalised.unit = "normalised";
   EXPECT_NEAR(execution_model(normalised, frame_in(""), 0.0).velocity_error, 5.0, 1e-12);
+  ExecutionOptions enlarged = options;  // to three times its size: errors count a third
+  enlarged.unit = "mm";
+  enlarged.extent = 120.0;
+  EXPECT_NEAR(execution_model(enlarged, frame_in("mm"), 0.0).position_error, 0.1 / 3.0, 1e-12);
+  EXPECT_NEAR(execution_model(enlarged, frame_in("mm"), 0.0).velocity_error, 0.25 / 3.0, 1e-12);
+  EXPECT_NEAR(execution_model(enlarged, frame_in("mm"), 0.0).delay, 0.01, 1e-12);
+  EXPECT_NE(execution_in_words(enlarged, frame_in("mm")).find("3 times as large"), std::string::npos);
   ExecutionOptions metres = options;
   metres.unit = "m";
   EXPECT_THROW(execution_model(metres, frame_in("rad"), 0.0), Error);
 }
 
 TEST(ExecutionOptions, OutOfRangeAreRefused) {
-  for (const char* keys :
-       {"period = -0.001", "delay = -1.0", "lag = nan", "position_error = -1.0", "speed = 0.0",
-        "velocity_error_relative = 1.0", "preset = \"arm\"", "unit = \"inch\"", "delay = inf"}) {
+  for (const char* keys : {"period = -0.001", "delay = -1.0", "lag = nan", "position_error = -1.0",
+                           "speed = 0.0", "extent = -1.0", "velocity_error_relative = 1.0",
+                           "preset = \"arm\"", "unit = \"inch\"", "delay = inf"}) {
     EXPECT_THROW(read(keys), Error) << keys;
   }
 }

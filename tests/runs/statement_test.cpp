@@ -103,8 +103,8 @@ TEST(Statement, OfConformalNamesSamplesEpsilonAndBeta) {
                                     .attempt = 2,
                                     .witness = {},
                                     .reason = {}}};
-  for (const char* words : {"confidence 1 - 0.0001", "attempt 2", "a copy of the file begins anew", "250000", "seed 4", "epsilon = 0.0001",
-                            "does not prove that every motion is safe"})
+  for (const char* words : {"confidence 1 - 0.0001", "attempt 2", "a copy of the file begins anew", "250000",
+                            "seed 4", "epsilon = 0.0001", "does not prove that every motion is safe"})
     EXPECT_TRUE(says(record, words)) << words << ": " << guarantee_statement(record);
 }
 

@@ -95,6 +95,20 @@ LossOptions options_of(const std::string& kind) {
   return options;
 }
 
+// A robot that does all that a model can say, and a radius that some samples lie beyond.
+ExecutionDemand demanding() {
+  return {.model = {.period = 0.02,
+                    .delay = 0.03,
+                    .lag = 0.01,
+                    .position_error = 0.02,
+                    .velocity_error = 0.04,
+                    .velocity_error_relative = 0.1,
+                    .field_error = 0.01,
+                    .least_speed = 0.8,
+                    .most_speed = 0.8},
+          .convergence_radius = 0.5};
+}
+
 // Every part of every table, and the toy.
 struct PartCase {
   std::string name, kind;
@@ -173,14 +187,16 @@ struct EngineCase {
   std::int64_t dimension;
   std::string kind;
   torch::Dtype dtype;
+  bool executed = false;
 };
 
 class Engines : public testing::TestWithParam<EngineCase> {};
 
 // All terms together: 1e-5 relative in float32, 1e-10 in float64.
 TEST_P(Engines, AgreeOnLossAndGradients) {
-  const auto& [activation, dimension, kind, dtype] = GetParam();
+  const auto& [activation, dimension, kind, dtype, executed] = GetParam();
   LossOptions options = options_of(kind);
+  if (executed) options.execution = demanding();
   options.weight[LossTerm::obstacle_normal] = 0.7;
   const Case c(3, kind == "paper", dtype, activation, dimension);
   const LossValue fused = c.loss(loss_table(options), options, Engine::fused),
@@ -202,8 +218,10 @@ std::vector<EngineCase> engine_cases() {
   for (const char* activation : {"tanh", "elu", "softplus", "silu", "sine"}) {
     for (std::int64_t dimension : {2, 5}) {
       for (const char* kind : {"robust", "paper"}) {
-        for (torch::Dtype dtype : {torch::kFloat32, torch::kFloat64})
-          all.push_back({activation, dimension, kind, dtype});
+        for (torch::Dtype dtype : {torch::kFloat32, torch::kFloat64}) {
+          for (const bool executed : {false, true})
+            all.push_back({activation, dimension, kind, dtype, executed});
+        }
       }
     }
   }
@@ -211,8 +229,43 @@ std::vector<EngineCase> engine_cases() {
 }
 INSTANTIATE_TEST_SUITE_P(All, Engines, testing::ValuesIn(engine_cases()), [](const auto& test) {
   return test.param.activation + std::to_string(test.param.dimension) + test.param.kind +
-         (test.param.dtype == torch::kFloat64 ? "Double" : "Float");
+         (test.param.dtype == torch::kFloat64 ? "Double" : "Float") + (test.param.executed ? "Executed" : "");
 });
+
+// With what execution adds held constant, the gradients in V and B are those of the rates of the worst motions.
+TEST(JointLoss, AsExecutedHasTheGradientOfTheWorstRate) {
+  LossOptions options;
+  options.weight = {};
+  for (const LossTerm term : {LossTerm::lyapunov, LossTerm::barrier_decrease}) {
+    options.weight[term] = 1.0;
+    Case c(4, false, torch::kFloat64, "tanh", 2);
+    const LossTable table = loss_table(options);
+    const auto value = [&] { return c.loss(table, options, Engine::fused).total; };
+    options.execution = {};
+    const double ideal = value().item<double>();
+    options.execution = demanding();
+    EXPECT_GT(value().item<double>(), ideal * 1.01);
+    const int network = term == LossTerm::lyapunov ? 1 : 2;
+    const torch::Tensor gradient = c.gradients(value())[network];
+    torch::Tensor theta = c.parameters()[network];
+    const double size = gradient.norm().item<double>();
+    const torch::Tensor direction = gradient / size, start = theta.detach().clone();
+    // Of barrier_decrease's weight of the band, which is held constant, differences would see a change.
+    if (term == LossTerm::barrier_decrease) options.band_width = 1e6;
+    const torch::Tensor slope_there = c.gradients(value())[network];
+    const auto at = [&](double step) {
+      {
+        const torch::NoGradGuard no_grad;
+        theta.copy_(start + step * direction);
+      }
+      return value().item<double>();
+    };
+    const double h = 1e-6, slope = (at(h) - at(-h)) / (2.0 * h);
+    at(0.0);
+    EXPECT_NEAR(slope, (slope_there * direction).sum().item<double>(), 1e-5 * size);
+    options.weight[term] = 0.0;
+  }
+}
 
 TEST(JointLoss, OfTheBarrierAloneHasTheSameGradientInB) {
   const Case c(3, false, torch::kFloat32, "tanh", 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "s2nnds/runs/disturbance_falsifier.h"
+#include "s2nnds/runs/execution_falsifier.h"
 
 #include <gtest/gtest.h>
 
@@ -21,15 +21,15 @@ NetworkWeights cancelling_field(double size) {
   return f;
 }
 
-TEST(DisturbanceFalsifier, FindsNothingWhereTheBarrierCoversTheError) {
-  DisturbanceFalsifier source(20);
+TEST(ExecutionFalsifier, FindsNothingWhereTheBarrierCoversTheError) {
+  ExecutionFalsifier source({}, 20);
   const Counterexamples found = source.find(simple_networks(), simple_problem(), 0.01, 1, 1);
   EXPECT_EQ(found.total(), 0);
   EXPECT_GT(found.samples[kBarrier], 0);
 }
 
-TEST(DisturbanceFalsifier, HandsOnPointsNearTheBarrierWhereItDoesNot) {
-  DisturbanceFalsifier source(20);
+TEST(ExecutionFalsifier, HandsOnPointsNearTheBarrierWhereItDoesNot) {
+  ExecutionFalsifier source({}, 20);
   Networks networks = simple_networks();
   source.find(networks, simple_problem(), 0.01, 1, 1);
   networks.f = cancelling_field(1e7);  // another field, another error
@@ -38,8 +38,17 @@ TEST(DisturbanceFalsifier, HandsOnPointsNearTheBarrierWhereItDoesNot) {
   ASSERT_EQ(found.points[kBarrier].rows(), 20);
   const Points value = networks.B.value(found.points[kBarrier]);
   EXPECT_LT(value.cwiseAbs().maxCoeff(), 0.5);
-  const Counterexamples again = DisturbanceFalsifier(20).find(networks, simple_problem(), 0.01, 1, 1);
+  const Counterexamples again = ExecutionFalsifier({}, 20).find(networks, simple_problem(), 0.01, 1, 1);
   EXPECT_EQ(again.points[kBarrier], found.points[kBarrier]);
+}
+
+// On {B = 0} of the hand-made system |f| is below 1: a robot that errs by more can leave.
+TEST(ExecutionFalsifier, AsksForWhatTheRobotNeeds) {
+  ExecutionFalsifier small({.velocity_error = 0.1}, 20), large({.velocity_error = 2.0}, 20);
+  EXPECT_EQ(small.find(simple_networks(), simple_problem(), 0.01, 1, 1).total(), 0);
+  const Counterexamples found = large.find(simple_networks(), simple_problem(), 0.01, 1, 1);
+  EXPECT_GT(found.counts[kBarrier], 0);
+  EXPECT_EQ(found.points[kBarrier].rows(), 20);
 }
 
 }  // namespace
