@@ -62,7 +62,7 @@ struct Scope {
     v.field("weights", weights);
     v.group("frame", frame);
     v.group("problem", problem);
-    if (!execution.is_ideal()) v.group("execution", execution);
+    if (!execution.is_ideal() || execution.damping > 0.0) v.group("execution", execution);
   }
 };
 

@@ -57,6 +57,7 @@ void ExecutionOptions::visit(FieldVisitor& v) {
   v.field("velocity_error_relative", velocity_error_relative, {.low = 0.0, .high = 1.0, .open_high = true});
   v.field("speed", speed, above(0.0));
   v.field("extent", extent, at_least(0.0));
+  v.field("damping", damping, at_least(0.0));
   v.field("convergence_radius", convergence_radius, at_least(0.0));
 }
 
@@ -90,6 +91,15 @@ ExecutionDemand execution_demand(const ExecutionOptions& options, const Frame& f
                                 enlargement(options, frame);
   }
   return demand;
+}
+
+double metres_per_normalised(const ExecutionOptions& options, const Frame& frame) {
+  const auto unit = metres.find(frame.unit);
+  check(
+      unit != metres.end(),
+      "execution.damping: found the data's unit \"{}\", expected m, cm or mm: a push moves an arm by metres",
+      frame.unit);
+  return frame.position_scale * unit->second * enlargement(options, frame);
 }
 
 std::string execution_in_words(const ExecutionOptions& options, const Frame& frame) {

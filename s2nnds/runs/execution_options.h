@@ -27,6 +27,8 @@ struct ExecutionOptions {
   // In `unit`: what the demonstrations' largest coordinate (1 normalised) is where the robot moves on another scale
   // than they were recorded on, >= 0; 0: on the same. Times stay; the other lengths and velocities are the robot's.
   double extent = 0.0;
+  // N s/m, >= 0: damping of an arm that tracks velocities, for which the largest push that it withstands is told; 0: none is.
+  double damping = 0.0;
   // In `unit`, >= 0: training asks for V to fall as executed where the goal is farther than this; 0: nowhere. What ball the
   // motion converges to is proved and told in any case.
   double convergence_radius = 0.0;
@@ -42,6 +44,9 @@ ExecutionModel execution_model(const ExecutionOptions& options, const Frame& fra
 
 // What training asks of the conditions; all but field_error, which depends on f.
 ExecutionDemand execution_demand(const ExecutionOptions& options, const Frame& frame);
+
+// Metres that 1 normalised is where the robot moves. Throws Error where the data's unit is no length.
+double metres_per_normalised(const ExecutionOptions& options, const Frame& frame);
 
 // The model in words, in the data's unit, lengths as the robot moves: "a reading every 1 ms or sooner, at most 1 ms old and wrong by at most ...".
 std::string execution_in_words(const ExecutionOptions& options, const Frame& frame);

@@ -358,6 +358,7 @@ RunRecord read_run(const std::string& path) {
       record.open_boxes.emplace_back(name, file.read_points("/certificate/open_boxes/" + name));
     }
   }
+  if (file.exists("/certificate/pushes")) record.pushes = file.read_points("/certificate/pushes");
   record.evaluation = read_fields<EvaluationSummary>(file, "/evaluation");
   if (file.exists("/remarks")) record.remarks = file.read_texts("/remarks");
   record.timing = read_fields<RunTiming>(file, "/timing");
@@ -429,6 +430,8 @@ void check_record(const RunRecord& record) {
     check(corners.cols() == 2 * n, "/certificate/open_boxes/{}: found {} columns, expected {}", name,
           corners.cols(), 2 * n);
   }
+  check(record.pushes.size() == 0 || record.pushes.cols() == n + 1,
+        "/certificate/pushes: found {} columns, expected {}", record.pushes.cols(), n + 1);
   if (record.grid) check_grid(*record.grid, n);
   if (record.checkpoint) {
     for (const auto& [name, points] : record.checkpoint->points) check_name("/checkpoint/points", name);
@@ -455,6 +458,7 @@ void save_run(const std::string& path, const RunRecord& record) {
   write_fields(file, "/certificate", record.certificate);
   for (const auto& [name, corners] : record.open_boxes)
     file.write("/certificate/open_boxes/" + name, corners);
+  if (record.pushes.size() > 0) file.write("/certificate/pushes", record.pushes);
   write_fields(file, "/evaluation", record.evaluation);
   if (!record.remarks.empty()) file.write("/remarks", record.remarks);
   write_fields(file, "/timing", record.timing);

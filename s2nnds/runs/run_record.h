@@ -139,6 +139,9 @@ struct RunRecord {
   Certificate certificate;                              // what is known of these networks
   // By condition, [k, 2n] lower then upper corner: boxes that were not proved.
   std::vector<std::pair<std::string, Points>> open_boxes;
+  // [k, n + 1]: samples of the training demonstrations, each with the largest push (N s) there that does not leave the
+  // safe set; [0, 0] where execution.damping is 0.
+  Points pushes;
   EvaluationSummary evaluation;          // figures of the motion's quality
   std::vector<std::string> remarks;      // on the motion, a sentence each (motion_report.h)
   RunTiming timing;                      // seconds of each step

@@ -102,6 +102,16 @@ std::string executed_in_words(const RunRecord& record) {
   return text;
 }
 
+std::string pushes_in_words(const RunRecord& record) {
+  const ExecutionCertificate& executed = record.certificate.execution;
+  if (!(executed.damping > 0.0)) return "";
+  return fmt::format(
+      " A push of at most {} N s takes an arm of damping {} N s/m out of the safe set from no sample of the "
+      "training "
+      "demonstrations, if it is over, and the arm tracks velocities again, before the motion has moved on.",
+      number(executed.least_push), number(executed.damping));
+}
+
 std::string details(const RunRecord& record) {
   const Certificate& certificate = record.certificate;
   switch (certificate.guarantee) {
@@ -127,7 +137,7 @@ std::string details(const RunRecord& record) {
           "weights; its own rounding is covered.{}",
           all_conditions_in_words(record),
           certificate.guarantee == Guarantee::invariant
-              ? disturbance_in_words(record) + executed_in_words(record)
+              ? disturbance_in_words(record) + executed_in_words(record) + pushes_in_words(record)
               : "");
   }
   return "";

@@ -108,6 +108,8 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
                          {"most_speed", real(executed.most_speed)},
                          {"shielded", executed.shielded}};
   }
+  if (const ExecutionCertificate& executed = certificate.execution; executed.damping > 0.0)
+    json["pushes"] = {{"damping", executed.damping}, {"least_push", executed.least_push}};
   json["float32_error"] = real(certificate.float32_error);
   json["follows"] = follows_demonstrations(record);
   json["remarks"] = record.remarks;

@@ -8,6 +8,7 @@
 #include "s2nnds/verification/disturbance_margin.h"
 #include "s2nnds/verification/executed_motion.h"
 #include "s2nnds/verification/guarantee.h"
+#include "s2nnds/verification/level_distance.h"
 #include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
@@ -37,6 +38,19 @@ void verify_executed(const PreparedRun& setup, const ProofFunctions& functions, 
   found.shield_cone = shield.cone;
 }
 
+// Of an arm that tracks velocities, xdot = f(x) + e with M edot = F - D e, a push J moves the arm by J / D beside what f does. Where it is
+// short and M / D is, that is a jump, which stays in the safe set if that reaches that far.
+void find_pushes(const PreparedRun& setup, const ProofFunctions& functions, RunRecord& record) {
+  const ExecutionOptions& options = setup.config.execution;
+  const double metres = metres_per_normalised(options, setup.data.frame);
+  const Points x = stack_positions(setup.train());
+  const Vector push = options.damping * metres * LevelDistance(functions, setup.problem).below(x);
+  record.pushes.resize(x.rows(), x.cols() + 1);
+  record.pushes << x, push;
+  record.certificate.execution.damping = options.damping;
+  record.certificate.execution.least_push = push.minCoeff() * (1.0 - 1e-12);
+}
+
 // The proof's verdicts; side conditions, margins and open boxes go into the record.
 std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecord& record,
                                               const VerificationOptions& options,
@@ -62,6 +76,7 @@ std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecor
   certificate.side = result.side;
   certificate.disturbance_margin = certificate.convergence_radius = 0.0;
   certificate.execution = {};
+  record.pushes = {};
   if (result.guarantee == Guarantee::invariant) {
     const DisturbanceMargin margin = disturbance_margin(functions, setup.problem);
     certificate.disturbance_margin = margin.margin;
@@ -69,6 +84,7 @@ std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecor
     certificate.float32_error = float32_error(record.networks.f, setup.problem.workspace);
     record.timing.disturbance_margin = margin.seconds;
     if (!setup.config.execution.is_ideal()) verify_executed(setup, functions, record);
+    if (setup.config.execution.damping > 0.0) find_pushes(setup, functions, record);
   }
   record.timing.proof = result.seconds;
   return result.verdicts();

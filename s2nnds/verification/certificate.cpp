@@ -50,6 +50,8 @@ void ExecutionCertificate::visit(FieldVisitor& v) {
   v.field("shielded", shielded);
   v.field("shield_band", shield_band, at_least(0));
   v.field("shield_cone", shield_cone, at_least(0));
+  v.field("damping", damping, at_least(0));
+  v.field("least_push", least_push, at_least(0));
 }
 
 void Certificate::visit(FieldVisitor& v) {

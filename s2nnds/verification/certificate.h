@@ -108,6 +108,9 @@ struct ExecutionCertificate {
   double least_speed = 0.0, most_speed = 0.0, most_speed_command = 0.0;
   bool shielded = false;                        // any velocities are safe behind the Shield with
   double shield_band = 0.0, shield_cone = 0.0;  // these figures and most_command
+  double damping = 0.0;  // N s/m, of the arm that the pushes are about; 0: none were looked for
+  double least_push =
+      0.0;  // N s: at no sample of the training demonstrations a smaller one leaves the safe set
 
   void visit(FieldVisitor& v);  // names each field once
 };

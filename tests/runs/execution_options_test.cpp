@@ -74,9 +74,10 @@ TEST(ExecutionOptions, BecomeNormalised) {
 }
 
 TEST(ExecutionOptions, OutOfRangeAreRefused) {
-  for (const char* keys : {"period = -0.001", "delay = -1.0", "lag = nan", "position_error = -1.0",
-                           "speed = 0.0", "extent = -1.0", "velocity_error_relative = 1.0",
-                           "preset = \"arm\"", "unit = \"inch\"", "delay = inf"}) {
+  for (const char* keys :
+       {"period = -0.001", "delay = -1.0", "lag = nan", "position_error = -1.0", "speed = 0.0",
+        "extent = -1.0", "damping = -1.0", "convergence_radius = nan", "velocity_error_relative = 1.0",
+        "preset = \"arm\"", "unit = \"inch\"", "delay = inf"}) {
     EXPECT_THROW(read(keys), Error) << keys;
   }
 }
@@ -126,6 +127,23 @@ TEST(ExecutionCertificate, IsStatedBesideTheGuarantee) {
   EXPECT_EQ(open.certificate.guarantee, Guarantee::invariant);  // of the ideal motion
   EXPECT_TRUE(says(open, "the motion is NOT certified"));
   EXPECT_TRUE(says(open, "not about a robot's tracking error"));
+}
+
+// A push moves the arm by J / D: in the hand-made system {B < 0} is a rounded square.
+TEST(ExecutionCertificate, SaysWhichPushesAreWithstood) {
+  const RunRecord none = verified("");
+  EXPECT_EQ(none.pushes.size(), 0);
+  const RunRecord weak = verified("[execution]\ndamping = 20.0"),
+                  strong = verified("[execution]\ndamping = 40.0");
+  ASSERT_EQ(weak.pushes.cols(), 3);
+  EXPECT_GE(weak.pushes.col(2).minCoeff(), 0.0);
+  EXPECT_NEAR((strong.pushes.col(2) - 2.0 * weak.pushes.col(2)).norm(), 0.0, 1e-9);
+  EXPECT_LE(weak.certificate.execution.least_push, weak.pushes.col(2).minCoeff());
+  const double metres = metres_per_normalised({}, weak.data.frame);
+  Eigen::Index middle = 0;
+  weak.pushes.leftCols(2).rowwise().norm().minCoeff(&middle);  // the edge is about 0.8 away from there
+  EXPECT_NEAR(weak.pushes(middle, 2), 20.0 * metres * 0.8, 20.0 * metres * 0.25);
+  EXPECT_TRUE(says(weak, "an arm of damping 20 N s/m")) << weak.certificate.statement;
 }
 
 TEST(ExecutionCertificate, IsVoidForAnotherModel) {

@@ -627,6 +627,27 @@ def history(run):
     return figure
 
 
+# ---------------------------------------------------------------- pushes
+
+
+def pushes(run):
+    """Where on the training demonstrations an arm withstands which push, drawn over the safe set."""
+    figure, ax = plt.subplots(figsize=(7.0, 6.2), constrained_layout=True)
+    grid, handles = run.grid, []
+    if run.dimension == 2 and grid is not None:
+        handles = draw_sets(ax, *grid.axes, grid.unsafe, grid.initial, grid.B)
+    order = np.argsort(-run.pushes[:, -1])  # the weakest on top
+    places = run.pushes[order]
+    dots = ax.scatter(places[:, 0], places[:, 1], c=places[:, -1], s=10, cmap="viridis", vmin=0.0, zorder=6)
+    figure.colorbar(dots, ax=ax, label="largest push [N s]", shrink=0.8)
+    draw_goal(ax, run)
+    frame(ax, run)
+    damping, least = (run.certificate["execution"][key] for key in ("damping", "least_push"))
+    ax.set_title(f"{name_of(run)}: pushes withstood at {damping:g} N s/m, at least {least:.3g} N s", fontsize="medium")
+    legend_below(figure, handles + [goal_handle()])
+    return figure
+
+
 # ---------------------------------------------------------------- the program
 
 
@@ -644,6 +665,8 @@ def make_figures(run):
     figure = history(run)
     if figure is not None:
         yield "history", figure
+    if run.pushes is not None:
+        yield "pushes", pushes(run)
 
 
 def save(figure, path, kind):

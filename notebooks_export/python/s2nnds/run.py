@@ -462,6 +462,8 @@ class Run:
         shown.open_boxes = {
             name: np.hstack([at(boxes[:, :n]), at(boxes[:, n:])]) for name, boxes in self.open_boxes.items()
         }
+        if self.pushes is not None:
+            shown.pushes = np.hstack([at(self.pushes[:, :n]), self.pushes[:, n:]])
         if self.grid is not None:
             velocity = None if self.grid.velocity is None else data.velocity_scale * self.grid.velocity
             axes = [goal + data.position_scale * axis for goal, axis in zip(data.goal, self.grid.axes)]
@@ -554,10 +556,13 @@ class Run:
         self.certificate = {"guarantee": "none", **(_fields(group) if group else {})}
         self.certificate["execution"] = _fields(group["execution"]) if "execution" in group else {}
         self.certificate["conditions"] = [_fields(item) for item in _numbered(group.get("conditions", {}))]
+        self.certificate["execution"] = _fields(group["execution"]) if "execution" in group else {}
         if self.guarantee != "none":
             self._check_scope()
         boxes = group.get("open_boxes", {})  # condition -> [k, 2n]: lower corner, then upper
         self.open_boxes = {name: _array(boxes, name, (None, 2 * self.dimension)) for name in boxes}
+        # [k, n + 1]: samples of demonstrations, each with the largest push (N s) there that stays in the safe set.
+        self.pushes = _array(group, "pushes", (None, self.dimension + 1)) if "pushes" in group else None
 
     def _check_scope(self):
         try:
