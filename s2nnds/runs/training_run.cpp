@@ -59,6 +59,7 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
   record.checkpoint->finished = !(summary.stopped && hooks.until_certified);
   record.timing.training = summary.seconds;
   record.certificate = {};
+  record.pushes = {};
   record.certificate.weight_hash = weight_hash(record.networks);
   record.certificate.level_band = config.training.level_band;
   return summary;

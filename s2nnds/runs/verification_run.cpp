@@ -129,6 +129,7 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
     certificate = {};
     certificate.attempts = attempts;
     record.problem = new_record(setup, "").problem;
+    record.pushes = {};
   }
   certificate.weight_hash = weight_hash(record.networks);
   certificate.level_band = setup.config.training.level_band;
