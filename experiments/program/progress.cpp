@@ -26,7 +26,8 @@ std::string counterexamples(const RoundSummary& row) {
   if (row.equilibria > 0)
     text += fmt::format("; f stands still at {} place{}", row.equilibria, row.equilibria > 1 ? "s" : "");
   if (row.is_impossible()) text += ": no certificate can exist so";
-  if (row.clean() && !row.follows()) text += "; the motion does not follow the demonstrations";
+  if (row.clean() && !row.follows())
+    text += fmt::format("; {:.2f} times as far from the demonstrations as allowed", row.deviation);
   if (row.stage == Stage::imitation_finetune)
     text += kept ? " (f fine-tuned)" : " (f, V and B stay as they were)";
   if (row.stage == Stage::enlarge) text += kept ? " (B grew)" : " (B stays as it was)";
@@ -51,9 +52,7 @@ void print_round(const RoundSummary& row) {
   }
 }
 
-void print_reading(const std::string& what, double share) {
-  spdlog::info("{}: {:.0f} %", what, 100 * share);
-}
+void print_reading(const std::string& what, double share) { spdlog::info("{}: {:.0f} %", what, 100 * share); }
 
 ProofProgress proof_printer() {
   return [watch = Stopwatch()](Condition condition, const BranchProgress& state) mutable {

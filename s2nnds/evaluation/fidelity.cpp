@@ -6,7 +6,9 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/dynamic_time_warping.h"
+#include "s2nnds/core/parallel.h"
 #include "s2nnds/data/survey.h"
+#include "s2nnds/problem/start_paths.h"
 
 namespace s2nnds {
 namespace {
@@ -15,6 +17,13 @@ constexpr Eigen::Index kPlaces = 200;  // of a path
 // Of the limit, at most, where demonstrations lie farther apart than it: two that go different ways, or start in
 // different places, would otherwise allow anything.
 constexpr double kMostOfLimit = 1.5;
+// Share of the limit beyond which a motion is corrected.
+constexpr double kStrays = 0.6;
+constexpr Eigen::Index kCorrected = 5;  // one of so many places is corrected
+// Towards the path that should be taken, per distance to it, 1 / normalised time.
+constexpr double kGain = 1.0;
+// Corrections are at least so fast: motions start slowly, and errors of f as large as its velocity turn them aside.
+constexpr double kLeastSpeed = 0.05;
 
 // Places of a demonstration, and which of them count.
 struct Shown {
@@ -31,8 +40,8 @@ Shown shown_path(const Demonstration& demonstration, const SafetyProblem& proble
   return shown;
 }
 
-// Of the path [M, n] from what is shown; `limit` stays 0.
-Deviation deviation(const Points& path, const Shown& shown) {
+// Distances of the places of a path [M, n] from those that are shown; 0 where they do not count.
+Points distances(const Points& path, const Shown& shown) {
   Points distance(path.rows(), kPlaces);
   for (Eigen::Index j = 0; j < kPlaces; ++j) {
     if (shown.counts[j]) {
@@ -41,6 +50,12 @@ Deviation deviation(const Points& path, const Shown& shown) {
       distance.col(j).setZero();
     }
   }
+  return distance;
+}
+
+// Of the path [M, n] from what is shown; `limit` stays 0.
+Deviation deviation(const Points& path, const Shown& shown) {
+  const Points distance = distances(path, shown);
   Deviation found;
   double pairs = 0.0;
   for (const auto& [i, j] : warp(distance).pairs) {
@@ -51,6 +66,24 @@ Deviation deviation(const Points& path, const Shown& shown) {
   }
   found.mean /= std::max(pairs, 1.0);
   return found;
+}
+
+// The paths [kPlaces, n] of the motions from `starts`.
+std::vector<Points> paths_from(const Points& starts, const StateFunction& f, const SafetyProblem& problem,
+                               const RolloutOptions& options) {
+  std::vector<Points> paths(static_cast<std::size_t>(starts.rows()));
+  parallel_for(starts.rows(), [&](Eigen::Index i, int) {
+    paths[static_cast<std::size_t>(i)] =
+        along_path(roll_out(f, problem, starts.row(i).transpose(), options).position, kPlaces);
+  });
+  return paths;
+}
+
+Points first_points(const std::vector<Demonstration>& demonstrations) {
+  Points starts(std::ssize(demonstrations), demonstrations.empty() ? 0 : demonstrations.front().dimension());
+  for (Eigen::Index k = 0; k < starts.rows(); ++k)
+    starts.row(k) = demonstrations[static_cast<std::size_t>(k)].position.row(0);
+  return starts;
 }
 
 std::vector<Shown> shown_paths(const std::vector<Demonstration>& demonstrations, const SafetyProblem& problem,
@@ -69,19 +102,103 @@ double limit_of(const std::vector<Shown>& shown, std::size_t k, double limit) {
   return std::clamp(nearest, limit, kMostOfLimit * limit);
 }
 
+// What is judged by: the demonstrations and their limits.
+struct Reference {
+  const SafetyProblem& problem;
+  const std::vector<Demonstration>& demonstrations;
+  std::vector<Shown> shown;
+  std::vector<double> limits;
+
+  Reference(const SafetyProblem& sets, const std::vector<Demonstration>& motions, double limit, double margin)
+      : problem(sets), demonstrations(motions), shown(shown_paths(motions, sets, margin)) {
+    for (std::size_t k = 0; k < shown.size(); ++k) limits.push_back(limit_of(shown, k, limit));
+  }
+
+  Deviation from(std::size_t k, const Points& path) const {
+    Deviation found = deviation(path, shown[k]);
+    found.limit = limits[k];
+    return found;
+  }
+
+  // What is shown of demonstration k, displaced so that it starts at `start`.
+  Shown displaced(std::size_t k, const Eigen::RowVectorXd& start) const {
+    Shown led = shown[k];
+    const Vector factor = displacement_along(led.place);
+    led.place += factor * (start - led.place.row(0));
+    return led;
+  }
+
+  // Of the motion from a start that was not shown.
+  Deviation from_best(const Points& path, const Eigen::RowVectorXd& start) const {
+    Deviation best{.mean = std::numeric_limits<double>::infinity(), .limit = limits.front()};
+    for (std::size_t k = 0; k < shown.size(); ++k) {
+      Deviation found = from(k, path);
+      found.limit += (start - shown[k].place.row(0)).norm() / 3.0;
+      if (found.mean / found.limit < best.mean / best.limit) best = found;
+    }
+    const Points led = displaced(nearest_start(demonstrations, start.transpose()), start).place;
+    if (problem.unsafe->level(led).minCoeff() <= 0.0) best.limit = std::numeric_limits<double>::infinity();
+    return best;
+  }
+};
+
+// The velocity of the demonstration at each of its places evenly spaced along it: [kPlaces, n].
+Points velocities_along(const Demonstration& demonstration) {
+  const Points& x = demonstration.position;
+  Vector length = Vector::Zero(x.rows());
+  for (Eigen::Index i = 1; i < x.rows(); ++i) length[i] = length[i - 1] + (x.row(i) - x.row(i - 1)).norm();
+  Points velocity(kPlaces, x.cols());
+  Eigen::Index i = 0;
+  for (Eigen::Index j = 0; j < kPlaces; ++j) {
+    const double along = length[x.rows() - 1] * static_cast<double>(j) / static_cast<double>(kPlaces - 1);
+    while (i + 1 < x.rows() && length[i] < along) ++i;
+    velocity.row(j) = demonstration.velocity.row(i);
+  }
+  return velocity;
+}
+
+class CorrectionList {
+ public:
+  // Of a motion's path that should be as `led`, with velocities [kPlaces, n] there.
+  void add(const Points& path, const Shown& led, const Points& velocity) {
+    const Points distance = distances(path, led);
+    for (const auto& [i, j] : warp(distance).pairs) {
+      if ((i + j) % kCorrected != 0 || !led.counts[j]) continue;
+      add(path.row(i), velocity.row(j) + kGain * (led.place.row(j) - path.row(i)));
+      add(led.place.row(j), velocity.row(j));
+    }
+  }
+
+  VelocityTargets list(Eigen::Index dimension) const {
+    const auto count = static_cast<Eigen::Index>(position_.size());
+    VelocityTargets all{Points(count, dimension), Points(count, dimension)};
+    for (Eigen::Index i = 0; i < count; ++i) {
+      all.position.row(i) = position_[static_cast<std::size_t>(i)];
+      all.velocity.row(i) = velocity_[static_cast<std::size_t>(i)];
+    }
+    return all;
+  }
+
+ private:
+  void add(const Eigen::RowVectorXd& x, Eigen::RowVectorXd v) {
+    const double speed = v.norm();
+    if (speed > 0.0 && speed < kLeastSpeed && x.norm() > kLeastSpeed) v *= kLeastSpeed / speed;
+    position_.push_back(x);
+    velocity_.push_back(std::move(v));
+  }
+
+  std::vector<Eigen::RowVectorXd> position_, velocity_;
+};
+
 }  // namespace
 
 std::vector<Deviation> deviations(const StateFunction& f, const SafetyProblem& problem,
                                   const std::vector<Demonstration>& demonstrations, double limit,
                                   double margin, const RolloutOptions& options) {
-  const std::vector<Shown> shown = shown_paths(demonstrations, problem, margin);
+  const Reference reference(problem, demonstrations, limit, margin);
+  const std::vector<Points> paths = paths_from(first_points(demonstrations), f, problem, options);
   std::vector<Deviation> all;
-  for (std::size_t k = 0; k < shown.size(); ++k) {
-    const Rollout motion = roll_out(f, problem, demonstrations[k].position.row(0).transpose(), options);
-    Deviation found = deviation(along_path(motion.position, kPlaces), shown[k]);
-    found.limit = limit_of(shown, k, limit);
-    all.push_back(found);
-  }
+  for (std::size_t k = 0; k < paths.size(); ++k) all.push_back(reference.from(k, paths[k]));
   return all;
 }
 
@@ -90,22 +207,38 @@ std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProb
                                         const Points& starts, double limit, double margin,
                                         const RolloutOptions& options) {
   check(!demonstrations.empty(), "fidelity: found no demonstrations, expected at least one");
-  const std::vector<Shown> shown = shown_paths(demonstrations, problem, margin);
-  std::vector<double> limits;
-  for (std::size_t k = 0; k < shown.size(); ++k) limits.push_back(limit_of(shown, k, limit));
+  const Reference reference(problem, demonstrations, limit, margin);
+  const std::vector<Points> paths = paths_from(starts, f, problem, options);
   std::vector<Deviation> all;
-  for (Eigen::Index i = 0; i < starts.rows(); ++i) {
-    const Points path =
-        along_path(roll_out(f, problem, starts.row(i).transpose(), options).position, kPlaces);
-    Deviation nearest{.mean = std::numeric_limits<double>::infinity()};
-    for (std::size_t k = 0; k < shown.size(); ++k) {
-      Deviation found = deviation(path, shown[k]);
-      found.limit = limits[k];
-      if (found.mean < nearest.mean) nearest = found;
-    }
-    all.push_back(nearest);
-  }
+  for (Eigen::Index i = 0; i < starts.rows(); ++i)
+    all.push_back(reference.from_best(paths[static_cast<std::size_t>(i)], starts.row(i)));
   return all;
+}
+
+VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& problem,
+                               const std::vector<Demonstration>& demonstrations, const Points& starts,
+                               double limit, double margin, const RolloutOptions& options) {
+  check(!demonstrations.empty(), "fidelity: found no demonstrations, expected at least one");
+  const Reference reference(problem, demonstrations, limit, margin);
+  CorrectionList list;
+  bool strayed = false;
+  const auto strays = [](const Deviation& found) { return !(found.mean <= kStrays * found.limit); };
+  const std::vector<Points> shown = paths_from(first_points(demonstrations), f, problem, options);
+  for (std::size_t k = 0; k < shown.size(); ++k) {
+    const Deviation found = reference.from(k, shown[k]);
+    if (!found.follows()) strayed = true;
+    if (strays(found)) list.add(shown[k], reference.shown[k], velocities_along(demonstrations[k]));
+  }
+  // Starts that were not shown are led as demonstrations go, so these come first.
+  if (strayed) return list.list(problem.dimension());
+  const std::vector<Points> paths = paths_from(starts, f, problem, options);
+  for (Eigen::Index i = 0; i < starts.rows(); ++i) {
+    const Points& path = paths[static_cast<std::size_t>(i)];
+    if (!strays(reference.from_best(path, starts.row(i)))) continue;
+    const std::size_t k = nearest_start(demonstrations, starts.row(i).transpose());
+    list.add(path, reference.displaced(k, starts.row(i)), velocities_along(demonstrations[k]));
+  }
+  return list.list(problem.dimension());
 }
 
 double worst_share(const std::vector<Deviation>& deviations) {

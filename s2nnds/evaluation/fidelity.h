@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "s2nnds/evaluation/rollout.h"
+#include "s2nnds/problem/start_paths.h"
 
 namespace s2nnds {
 
@@ -24,12 +25,21 @@ std::vector<Deviation> deviations(const StateFunction& f, const SafetyProblem& p
                                   const std::vector<Demonstration>& demonstrations, double limit,
                                   double margin, const RolloutOptions& options = {});
 
-// The same for motions from `starts` [N, n]: of each, the deviation from the demonstration that it is nearest to, whose limit
-// it has. Throws Error without demonstrations.
+// The same for motions from `starts` [N, n]: of each, the deviation from the demonstration that it follows best, by mean /
+// limit. The limit is that demonstration's and a third of the distance between both starts: the mean distance of a
+// motion that comes nearer as start_paths.h says. It is infinite where the path of start_paths.h would lead through the
+// unsafe set, so that the motion must go another way. Throws Error without demonstrations.
 std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProblem& problem,
                                         const std::vector<Demonstration>& demonstrations,
                                         const Points& starts, double limit, double margin,
                                         const RolloutOptions& options = {});
+
+// Of the motions from the demonstrations' first points and from `starts` [N, n], those whose deviation is more than 0.6 of its
+// limit: at places along them and along the path that they should take (start_paths.h), the velocity there, and back to
+// it. Where a demonstration is not followed, only those of demonstrations. Normalised units. Throws Error without demonstrations.
+VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& problem,
+                               const std::vector<Demonstration>& demonstrations, const Points& starts,
+                               double limit, double margin, const RolloutOptions& options = {});
 
 // The largest mean / limit: at most 1 where every demonstration is followed. 0 without demonstrations.
 double worst_share(const std::vector<Deviation>& deviations);

@@ -89,9 +89,7 @@ class Adapter {
             .until_certified = true};
   }
 
-  bool follows(const RunRecord& record) const {
-    return worst_share(deviations_of(setup_, record.networks.f)) <= 1.0;
-  }
+  bool follows(const RunRecord& record) const { return worst_deviation(setup_, record.networks.f) <= 1.0; }
 
   // From the old networks: B alone, then all three.
   RunRecord go_on() const {

@@ -69,8 +69,11 @@ void evaluate_motion(const PreparedRun& setup, RunRecord& record) {
     summary.deviation_largest = std::max(summary.deviation_largest, each.largest);
     summary.not_followed += each.follows() ? 0.0 : 1.0;
   }
+  const std::vector<Deviation> from_initial = start_deviations_of(setup, networks.f);
+  summary.starts_not_followed = static_cast<double>(std::count_if(
+      from_initial.begin(), from_initial.end(), [](const Deviation& each) { return !each.follows(); }));
   record.evaluation = summary;
-  record.remarks = motion_remarks(setup, record, from_shown);
+  record.remarks = motion_remarks(setup, record, from_shown, from_initial);
   record.rollouts = make_rollouts(setup, networks.f);
   record.grid.reset();
   if (setup.problem.dimension() <= 3) record.grid = make_grid(setup, networks);

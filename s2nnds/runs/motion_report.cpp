@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "s2nnds/core/random.h"
 #include "s2nnds/data/survey.h"
 #include "s2nnds/evaluation/topology.h"
-#include "s2nnds/problem/region_sampler.h"
 #include "s2nnds/runs/user_units.h"
 
 namespace s2nnds {
@@ -72,29 +72,28 @@ std::string fidelity_remark(const PreparedRun& setup, const RunRecord& record,
       reason_of(setup, record, strays));
 }
 
-// Motions from the initial set that arrive another way than any demonstration; empty where none of those drawn does.
-std::string initial_set_remark(const PreparedRun& setup, const RunRecord& record) {
-  constexpr std::int64_t kStarts = 16;
-  const auto sampler = sampler_of(setup.problem.initial, setup.problem.workspace);
-  if (!sampler) return "";
-  RandomStream random(static_cast<std::uint64_t>(record.seed), "fidelity/starts");
-  const std::vector<Deviation> all =
-      start_deviations(record.networks.f, setup.problem, setup.train(), sampler->sample(kStarts, random),
-                       setup.config.evaluation.fidelity, 2.0 * setup.config.training.obstacle_margin,
-                       setup.config.evaluation.rollout);
-  double farthest = 0.0;
+// Motions from the initial set that take another way than any demonstration; empty where none of those looked at does.
+std::string initial_set_remark(const RunRecord& record, const std::vector<Deviation>& deviations) {
   std::int64_t strays = 0;
-  for (const Deviation& each : all) {
+  const Deviation* worst = nullptr;
+  for (const Deviation& each : deviations) {
     if (each.follows()) continue;
     ++strays;
-    farthest = std::max(farthest, each.mean);
+    if (!worst || !(each.mean / each.limit <= worst->mean / worst->limit)) worst = &each;
   }
   if (strays == 0) return "";
+  const UserUnits units(record);
   return fmt::format(
-      "From {} of {} starts drawn in the initial set the motion takes another way than any demonstration, {} "
-      "away on "
-      "average at most.",
-      strays, kStarts, UserUnits(record).length(farthest));
+      "From {} of {} starts in the initial set the motion does NOT follow any demonstration: it is {} away "
+      "on "
+      "average, {} at most are expected.",
+      strays, deviations.size(), units.length(worst->mean), units.length(worst->limit));
+}
+
+Points starts_of(const PreparedRun& setup, const std::vector<Demonstration>& shown, std::int64_t draw) {
+  constexpr std::int64_t kStarts = 32;
+  RandomStream random(setup.config.seed, "fidelity/starts", draw);
+  return spread_starts(setup.problem, shown, kStarts, random);
 }
 
 // The nearest of what can be in the way at x [n], normalised.
@@ -128,7 +127,28 @@ std::vector<Deviation> deviations_of(const PreparedRun& setup, const NetworkWeig
                     2.0 * setup.config.training.obstacle_margin, setup.config.evaluation.rollout);
 }
 
-bool follows_demonstrations(const RunRecord& record) { return !(record.evaluation.not_followed > 0.0); }
+std::vector<Deviation> start_deviations_of(const PreparedRun& setup, const NetworkWeights& f,
+                                           std::int64_t draw) {
+  const std::vector<Demonstration> shown = setup.train();
+  return start_deviations(f, setup.problem, shown, starts_of(setup, shown, draw),
+                          setup.config.evaluation.fidelity, 2.0 * setup.config.training.obstacle_margin,
+                          setup.config.evaluation.rollout);
+}
+
+double worst_deviation(const PreparedRun& setup, const NetworkWeights& f, std::int64_t draw) {
+  return std::max(worst_share(deviations_of(setup, f)), worst_share(start_deviations_of(setup, f, draw)));
+}
+
+VelocityTargets corrections_of(const PreparedRun& setup, const NetworkWeights& f, std::int64_t draw) {
+  const std::vector<Demonstration> shown = setup.train();
+  return corrections_of(f, setup.problem, shown, starts_of(setup, shown, draw),
+                        setup.config.evaluation.fidelity, 2.0 * setup.config.training.obstacle_margin,
+                        setup.config.evaluation.rollout);
+}
+
+bool follows_demonstrations(const RunRecord& record) {
+  return !(record.evaluation.not_followed > 0.0) && !(record.evaluation.starts_not_followed > 0.0);
+}
 
 std::vector<std::string> topology_remarks(const PreparedRun& setup, const RunRecord& record) {
   const Topology found = find_topology(record.networks.f, record.networks.B, setup.problem);
@@ -152,9 +172,10 @@ std::vector<std::string> topology_remarks(const PreparedRun& setup, const RunRec
 }
 
 std::vector<std::string> motion_remarks(const PreparedRun& setup, const RunRecord& record,
-                                        const std::vector<Deviation>& deviations) {
-  std::vector<std::string> remarks = {fidelity_remark(setup, record, deviations)};
-  if (std::string strays = initial_set_remark(setup, record); !strays.empty())
+                                        const std::vector<Deviation>& from_shown,
+                                        const std::vector<Deviation>& from_initial) {
+  std::vector<std::string> remarks = {fidelity_remark(setup, record, from_shown)};
+  if (std::string strays = initial_set_remark(record, from_initial); !strays.empty())
     remarks.push_back(std::move(strays));
   if (record.certificate.guarantee >= Guarantee::proved || setup.config.verification.method != Method::proof)
     return remarks;

@@ -383,6 +383,7 @@ void EvaluationSummary::visit(FieldVisitor& v) {
   v.field("deviation_mean", deviation_mean, any_number());
   v.field("deviation_largest", deviation_largest, any_number());
   v.field("not_followed", not_followed, any_number());
+  v.field("starts_not_followed", starts_not_followed, any_number());
   v.field("safe_area", safe_area, any_number());
   v.field("true_safe_area", true_safe_area, any_number());
   v.field("safe_area_ratio", safe_area_ratio, any_number());

@@ -73,6 +73,8 @@ struct EvaluationSummary {
   double deviation_mean = not_measured;
   double deviation_largest = not_measured;
   double not_followed = not_measured;
+  double starts_not_followed =
+      not_measured;                       // of 32 starts that cover X0, those that follow no demonstration
   double safe_area = not_measured;        // of {B <= 0} within X; volume in 3-D
   double true_safe_area = not_measured;   // of the starts whose rollout is safe and reaches the goal
   double safe_area_ratio = not_measured;  // safe_area / true_safe_area

@@ -37,12 +37,18 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
     return rollout_is_safe(f, setup.problem, starts);
   });
   trainer.set_look([&](const Networks& networks, RoundSummary& row) {
-    if (row.clean()) row.deviation = worst_share(deviations_of(setup, networks.f));
+    // The last stage leaves f as it is.
+    if (row.clean() && row.stage != Stage::enlarge)
+      row.deviation = worst_deviation(setup, networks.f, row.round);
     if (row.stage != Stage::search || row.clean()) return;
     const Topology topology = find_topology(networks.f, networks.B, setup.problem);
     row.islands = std::ssize(topology.islands);
     row.equilibria = std::ssize(topology.equilibria);
   });
+  if (config.training.start_paths > 0.0) {
+    trainer.set_corrections(
+        [&](const NetworkWeights& f, std::int64_t round) { return corrections_of(setup, f, round); });
+  }
   if (record.checkpoint) trainer.restore(to_trainer_state(record));
   trainer.on_round([&](const RoundSummary& row, const Trainer& current) {
     store_trainer_state(current.state(), record);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/dynamic_time_warping.h"
@@ -140,11 +141,12 @@ PhaseRegression::PhaseRegression(const std::vector<Demonstration>& demonstration
     const Eigen::MatrixXd whitening = factor.matrixL().solve(Eigen::MatrixXd::Identity(n, n));
     components_.push_back({all.mean.head(n), all.mean.tail(n),
                            kSlope * factor.solve(all.covariance.topRightCorner(n, n)).transpose(), whitening,
-                           whitening.diagonal().array().log().sum()});
+                           whitening.diagonal().array().log().sum(),
+                           std::sqrt(all.covariance.topLeftCorner(n, n).trace())});
   }
 }
 
-Points PhaseRegression::velocity(const Points& x) const {
+Points PhaseRegression::responsibilities(const Points& x) const {
   const auto count = static_cast<Eigen::Index>(components_.size());
   Points exponent(x.rows(), count);
   for (Eigen::Index k = 0; k < count; ++k) {
@@ -155,14 +157,25 @@ Points PhaseRegression::velocity(const Points& x) const {
   // Relative to the likeliest phase, since far away all densities underflow.
   exponent.colwise() -= exponent.rowwise().maxCoeff().eval();
   const Points weight = exponent.array().exp();
+  return weight.array().colwise() / weight.rowwise().sum().array();
+}
+
+Points PhaseRegression::velocity(const Points& x) const {
+  const Points weight = responsibilities(x);
   Points sum = Points::Zero(x.rows(), x.cols());
-  for (Eigen::Index k = 0; k < count; ++k) {
+  for (Eigen::Index k = 0; k < weight.cols(); ++k) {
     const Component& c = components_[static_cast<std::size_t>(k)];
     Points at_phase = (x.rowwise() - c.position.transpose()) * c.slope.transpose();
     at_phase.rowwise() += c.velocity.transpose();
     sum.array() += at_phase.array().colwise() * weight.col(k).array();
   }
-  return sum.array().colwise() / weight.rowwise().sum().array();
+  return sum;
+}
+
+Vector PhaseRegression::spread(const Points& x) const {
+  Vector each(std::ssize(components_));
+  for (Eigen::Index k = 0; k < each.size(); ++k) each[k] = components_[static_cast<std::size_t>(k)].spread;
+  return responsibilities(x) * each;
 }
 
 }  // namespace s2nnds

@@ -19,6 +19,8 @@ class PhaseRegression {
   explicit PhaseRegression(const std::vector<Demonstration>& demonstrations);
 
   Points velocity(const Points& x) const;  // [N, n] -> [N, n]
+  // How far the demonstrations lie from their mean at the phases of x: standard deviation of the position, [N, n] -> [N].
+  Vector spread(const Points& x) const;
 
  private:
   // The velocity where a sample of this phase is at x: velocity + slope (x - position). The logarithm of the
@@ -27,7 +29,11 @@ class PhaseRegression {
     Vector position, velocity;
     Eigen::MatrixXd slope, whitening;
     double log_scale;
+    double spread;  // standard deviation of the positions, all axes together
   };
+
+  // The share of each component's phase in points x [N, n]: [N, components].
+  Points responsibilities(const Points& x) const;
 
   std::vector<Component> components_;
 };

@@ -21,9 +21,10 @@ constexpr double kLeastRate = 0.05;
 // obstacle on the other side than the demonstrations.
 constexpr double kRelaxedImitation = 0.5;
 constexpr double kRelaxedRollouts = 0.3;
-// After a certificate of a motion that does not follow the demonstrations; so many are tried.
-constexpr double kMoreImitation = 3.0;
-constexpr std::int64_t kUnfaithfulRounds = 3;
+// A certificate of a motion that does not follow the demonstrations is not taken: what strays is corrected, with more weight
+// on imitation after each, at most twice; every third one is followed by a new start. So many are tried.
+constexpr double kMoreImitation = 2.0;
+constexpr std::int64_t kUnfaithfulRounds = 6, kUnfaithfulInARow = 3;
 // So many rounds in a row whose f and B no certificate can have: training does not leave such a shape.
 constexpr std::int64_t kImpossibleRounds = 4;
 
@@ -41,10 +42,16 @@ constexpr std::int64_t kRefiningRounds = 4;
 constexpr double kFinetunedImitation = 10.0;  // at first; see careful()
 constexpr double kFinetunedRate = 0.3;        // what is certified must stay nearly as it is
 
+// Fine-tuning ends when the best error of so many rounds is less than this below the best before them.
+constexpr std::int64_t kPlateau = 4;
+constexpr double kPlateauGain = 0.03;
+
 constexpr std::int64_t kRepairs = 2;  // what f moved by little, B alone can follow
 
-constexpr double kEnlargedRollouts = 4.0;  // at first; see careful()
-constexpr double kEnlargedMargins = 2.0;   // of the conditions on B, which its growth must not break
+// At first and at least, see careful(). All labels are of points that B does not hold safe, so each counts several
+// times as much as one of any point.
+constexpr double kEnlargedRollouts = 1.0, kLeastEnlargedRollouts = 0.1;
+constexpr double kEnlargedMargins = 2.0;  // of the conditions on B, which its growth must not break
 constexpr double kEnlargedRate = 0.5;
 
 // Factors of a weight after a round that ended clean, and after one that did not and was undone.
@@ -60,7 +67,7 @@ std::int64_t rounds_in(const History& history, Stage stage) {
 }
 
 bool is_nearly_clean(const RoundSummary& row, const TrainerOptions& options) {
-  if (row.round < options.min_rounds || row.stage != Stage::search) return false;
+  if (row.round < options.min_rounds || row.stage != Stage::search || row.clean()) return false;
   return row.counterexamples() < kNearlyClean || row.found_by_sampling == 0;
 }
 
@@ -71,11 +78,11 @@ std::int64_t refining_round(const History& history, const TrainerOptions& option
   return std::distance(history.rbegin(), other) % (kRefiningRounds + 1);
 }
 
-// A weight's factor: `first`, less after each round of the stage that was undone, but no less than 1.
-double careful(const History& history, Stage stage, double first) {
+// A weight's factor: `first`, less after each round of the stage that was undone, but no less than `least`.
+double careful(const History& history, Stage stage, double first, double least) {
   double factor = first;
   for (const RoundSummary& row : history) {
-    if (row.stage == stage) factor = std::clamp(factor * (row.clean() ? kAdvance : kRetreat), 1.0, first);
+    if (row.stage == stage) factor = std::clamp(factor * (row.clean() ? kAdvance : kRetreat), least, first);
   }
   return factor;
 }
@@ -85,7 +92,8 @@ struct Restarts {
   std::int64_t age = 0;          // rounds since the last one
   std::int64_t by_age = 0;       // after rate_period rounds
   std::int64_t by_shape = 0;     // what B and f had become no certificate can have
-  std::int64_t by_fidelity = 0;  // a certificate, but of another motion than the demonstrations'
+  std::int64_t by_fidelity = 0;  // certificates, but of another motion than the demonstrations'
+  std::int64_t unfaithful = 0;   // such certificates in all
 };
 
 Restarts restarts_of(const History& history, const TrainerOptions& options) {
@@ -96,7 +104,9 @@ Restarts restarts_of(const History& history, const TrainerOptions& options) {
     ++found.age;
     impossible = row.is_impossible() && row.round >= options.min_rounds ? impossible + 1 : 0;
     std::int64_t* reason = nullptr;
-    if (row.clean() && !row.follows()) {
+    const bool unfaithful = row.clean() && !row.follows();
+    if (unfaithful) ++found.unfaithful;
+    if (unfaithful && found.unfaithful % kUnfaithfulInARow == 0) {
       reason = &found.by_fidelity;
     } else if (options.rate_period > 0 && impossible >= kImpossibleRounds) {
       reason = &found.by_shape;
@@ -122,7 +132,7 @@ RoundPlan search_plan(const History& history, const TrainerOptions& options) {
     weight[LossTerm::rollout_safety] *= std::pow(factor, times);
     weight[LossTerm::obstacle_normal] *= std::pow(factor, times);
   };
-  weight[LossTerm::imitation] *= std::pow(kMoreImitation, restarts.by_fidelity);
+  weight[LossTerm::imitation] *= std::pow(kMoreImitation, std::min<std::int64_t>(restarts.unfaithful, 2));
   // f that points outwards all around an obstacle has an equilibrium in it.
   if (all % 2 == 1) weight[LossTerm::obstacle_normal] = 0.0;
   if (options.relax_weights) {
@@ -149,8 +159,24 @@ RoundPlan imitation_finetune_plan(const History& history, const TrainerOptions& 
                     .repairs = kRepairs,
                     .rate = kFinetunedRate,
                     .loss = options.loss};
-  plan.loss.weight[LossTerm::imitation] *= careful(history, Stage::imitation_finetune, kFinetunedImitation);
+  plan.loss.weight[LossTerm::imitation] *=
+      careful(history, Stage::imitation_finetune, kFinetunedImitation, 1.0);
   return plan;
+}
+
+// Whether f no longer comes nearer to the demonstrations.
+bool is_fitted(const History& history) {
+  double best = std::numeric_limits<double>::infinity(), best_before = best;
+  std::vector<double> errors;
+  for (const RoundSummary& row : history) {
+    if (row.stage == Stage::imitation_finetune) errors.push_back(row.mse);
+  }
+  if (std::ssize(errors) <= kPlateau) return false;
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    double& least = k + kPlateau < errors.size() ? best_before : best;
+    least = std::min(least, errors[k]);
+  }
+  return best > (1.0 - kPlateauGain) * best_before;
 }
 
 // What concerns B alone.
@@ -162,7 +188,8 @@ RoundPlan enlarge_plan(const History& history, const TrainerOptions& options) {
                     .loss = options.loss};
   PerTerm<double>& weight = plan.loss.weight;
   weight[LossTerm::imitation] = weight[LossTerm::lyapunov] = weight[LossTerm::obstacle_normal] = 0.0;
-  weight[LossTerm::rollout_safety] *= careful(history, Stage::enlarge, kEnlargedRollouts);
+  weight[LossTerm::rollout_safety] *=
+      careful(history, Stage::enlarge, kEnlargedRollouts, kLeastEnlargedRollouts);
   weight[LossTerm::barrier_sets] *= kEnlargedMargins;
   weight[LossTerm::barrier_decrease] *= kEnlargedMargins;
   return plan;
@@ -182,7 +209,8 @@ RoundPlan stage_plan(const History& history, const TrainerOptions& options) {
     return row.round >= options.min_rounds && row.is_kept();
   });
   if (!follows) return {.finished = true};
-  if (rounds_in(history, Stage::imitation_finetune) < options.imitation_finetune_rounds)
+  if (rounds_in(history, Stage::imitation_finetune) < options.imitation_finetune_rounds &&
+      !is_fitted(history))
     return imitation_finetune_plan(history, options);
   // Without rollouts nothing tells where B may be smaller.
   if (!labels_rollouts(options) || rounds_in(history, Stage::enlarge) >= options.enlarge_rounds)

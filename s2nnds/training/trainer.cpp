@@ -31,12 +31,19 @@ constexpr std::int64_t kBandCandidates = 20000;
 constexpr double kBandNear = 0.06;
 constexpr std::int64_t kBandRefresh = 100;
 
+// Points with B below minus this count as safe: the loss of a safe label is 0 there. Of so many times the usual number of
+// points the others, a fifth or so, are labelled where the safe set grows.
+constexpr double kSettled = 0.05;
+constexpr std::int64_t kMoreLabels = 2;
+
 // Within a round the rates fall to this share of themselves: what noise of the steps leaves behind looks like
 // violations that no training removes.
 constexpr double kRateAtEnd = 0.05;
 // Steps of a round over which the rates rise from 0: the optimiser's first steps know nothing of the
 // gradient's size and move every weight by the whole rate.
 constexpr std::int64_t kRateRise = 50;
+
+constexpr std::int64_t kStarts = 32;  // in X0, whose motions are like those of the demonstrations
 
 // Of the change of a round that did not end clean, what is tried instead.
 constexpr double kParts[] = {0.5, 0.25};
@@ -59,12 +66,33 @@ double annealed(std::int64_t step, std::int64_t steps) {
   return rise * (kRateAtEnd + (1.0 - kRateAtEnd) * fall);
 }
 
+// The demonstrations, and motions like them from starts in X0 that they do not show.
+std::vector<Demonstration> with_start_paths(std::vector<Demonstration> demonstrations,
+                                            const SafetyProblem& problem, double share, std::uint64_t seed) {
+  if (share == 0.0) return demonstrations;
+  RandomStream random(seed, "start paths");
+  const Points starts = spread_starts(problem, demonstrations, kStarts, random);
+  const double samples = share * static_cast<double>(stack_positions(demonstrations).rows()) / kStarts;
+  for (Demonstration& path :
+       start_paths(demonstrations, starts, std::max<std::int64_t>(2, std::llround(samples))))
+    demonstrations.push_back(std::move(path));
+  return demonstrations;
+}
+
 NetworkWeights between(NetworkWeights a, const NetworkWeights& b, double part) {
   for (std::size_t k = 0; k < a.layers.size(); ++k) {
     a.layers[k].weight += part * (b.layers[k].weight - a.layers[k].weight);
     if (a.layers[k].bias.size() > 0) a.layers[k].bias += part * (b.layers[k].bias - a.layers[k].bias);
   }
   return a;
+}
+
+void append(Backtracked& to, const VelocityTargets& more) {
+  Points position(to.position.rows() + more.position.rows(), to.position.cols()), velocity = position;
+  position << to.position, more.position;
+  velocity << to.velocity, more.velocity;
+  to.position = std::move(position);
+  to.velocity = std::move(velocity);
 }
 
 // The networks whose weights lie between those of a (part 0) and b (part 1).
@@ -108,7 +136,10 @@ class Trainer::Impl {
         network_options_(networks),
         options_(options),
         seed_(seed),
-        sampler_(problem, smoothed(demonstrations, options.smoothing), options),
+        sampler_(
+            problem,
+            with_start_paths(smoothed(demonstrations, options.smoothing), problem, options.start_paths, seed),
+            options),
         level_(problem, {.level_band = options.level_band,
                          .reach = options.max_level_shift,
                          .execution = options.loss.execution}) {
@@ -138,13 +169,7 @@ class Trainer::Impl {
       choose_level(row.round);
       search(row);
       for (std::int64_t k = 1; k <= next.repairs && is_repairable(row); ++k) repair(row, next, k);
-      if (next.undone_unless_clean && !row.is_kept()) {
-        if (next.only_barrier) {
-          set_networks(before);
-        } else {
-          go_back_towards(before, row);
-        }
-      }
+      if (next.undone_unless_clean && !row.is_kept()) go_back_towards(before, row);
       row.seconds = seconds();
       summary.stopped = !report(row, owner);
     }
@@ -172,6 +197,7 @@ class Trainer::Impl {
 
   std::vector<std::shared_ptr<CounterexampleSource>> sources;
   RolloutLabels labels;
+  MotionCorrections corrections;
   RoundLook look;
   std::function<bool(const RoundSummary&, const Trainer&)> callback;
 
@@ -210,7 +236,7 @@ class Trainer::Impl {
     RoundSummary row;
     const std::int64_t round = row.round = std::ssize(history_);
     row.stage = now.stage;
-    if (now.labels_rollouts) label(row);
+    if (now.labels_rollouts) label(row, now.stage == Stage::enlarge);
     seek_backtracked(now);
     if (now.starts_anew) start_anew(round);
     descend(row, now, now.only_barrier ? options_.enlarge_steps : options_.steps, 0);
@@ -283,10 +309,24 @@ class Trainer::Impl {
     modules_.B = Barrier(problem_.dimension(), network_options_.B, start_b);
   }
 
-  // Rollout labels of fresh points under the f that the round starts with.
-  void label(RoundSummary& row) {
+  // Of uniform points those that B does not hold safe, at least one.
+  Points not_settled(const Points& points) const {
+    const Points value = BasicEvaluator<float>(modules_.B->snapshot()).value(points);
+    std::vector<Eigen::Index> undecided;
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+      if (!(value(i, 0) < -kSettled)) undecided.push_back(i);
+    }
+    if (undecided.empty()) return points.topRows(1);
+    return points(undecided, Eigen::all);
+  }
+
+  // Rollout labels of fresh points under the f that the round starts with. Where the safe set
+  // grows, only of those that B does not hold safe yet: that the others are is certified.
+  void label(RoundSummary& row, bool only_undecided) {
     RandomStream random(seed_, "labels", row.round);
-    const Points starts = sampler_.uniform(options_.rollout_points, random);
+    const Points starts = only_undecided
+                              ? not_settled(sampler_.uniform(kMoreLabels * options_.rollout_points, random))
+                              : sampler_.uniform(options_.rollout_points, random);
     const std::vector<bool> is_safe = labels(modules_.f->snapshot(), starts);
     std::vector<Eigen::Index> safe, unsafe_rollouts;
     for (Eigen::Index i = 0; i < starts.rows(); ++i) (is_safe[i] ? safe : unsafe_rollouts).push_back(i);
@@ -301,6 +341,8 @@ class Trainer::Impl {
       found = backtrack(networks(), problem_, sampler_.pools().workspace, sampler_.position(),
                         sampler_.velocity(), {.level_band = options_.level_band});
     }
+    if (corrections && !now.only_barrier)
+      append(found, corrections(modules_.f->snapshot(), std::ssize(history_)));
     sampler_.set_backtracked(std::move(found));
   }
 
@@ -363,6 +405,7 @@ Trainer::Trainer(Trainer&&) noexcept = default;
 void Trainer::add_source(std::shared_ptr<CounterexampleSource> source) {
   impl_->sources.push_back(std::move(source));
 }
+void Trainer::set_corrections(MotionCorrections corrections) { impl_->corrections = std::move(corrections); }
 void Trainer::set_look(RoundLook look) { impl_->look = std::move(look); }
 void Trainer::set_rollout_labels(RolloutLabels labels) { impl_->labels = std::move(labels); }
 void Trainer::on_round(std::function<bool(const RoundSummary&, const Trainer&)> callback) {

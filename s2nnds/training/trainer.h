@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "s2nnds/networks/network_options.h"
+#include "s2nnds/problem/start_paths.h"
 #include "s2nnds/training/batch_sampler.h"
 #include "s2nnds/training/counterexample.h"
 #include "s2nnds/training/history.h"
@@ -36,6 +37,10 @@ struct TrainerSummary {
 // Labels starts [N, n] by their rollouts under f: true where safe and reaching the goal.
 using RolloutLabels = std::function<std::vector<bool>(const NetworkWeights& f, const Points& starts)>;
 
+// What the motions of f that leave the demonstrations' way, from these or from X0, should be corrected to; drawn anew for
+// each round.
+using MotionCorrections = std::function<VelocityTargets(const NetworkWeights& f, std::int64_t round)>;
+
 // What is looked at after a round besides counterexamples: fills in deviation (where the round was clean), islands
 // and equilibria.
 using RoundLook = std::function<void(const Networks& networks, RoundSummary& row)>;
@@ -54,6 +59,8 @@ class Trainer {
   void add_source(std::shared_ptr<CounterexampleSource> source);
   // Sets what labels TrainerOptions::rollout_points.
   void set_rollout_labels(RolloutLabels labels);
+  // Sets what corrects motions before each round that trains f.
+  void set_corrections(MotionCorrections corrections);
   // Sets what looks at the motion's fidelity and topology.
   void set_look(RoundLook look);
   // Called after the warm start (round 0) and after every round; return false to stop.

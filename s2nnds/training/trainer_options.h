@@ -96,6 +96,9 @@ struct TrainerOptions {
   double weight_decay = 0.2;           // decoupled (AdamW), of all weights of f, >= 0
   std::int64_t rollout_points = 4000;  // points of X labelled by rollouts, anew every round, >= 0; 0: none
   double smoothing = 1.0;  // share, in [0, 1], of a phase regression in the velocities that f is fitted to
+  // Samples, as a share of the demonstrations' (>= 0; 0: none), of motions from 32 starts in X0 that differ from those shown:
+  // displaced demonstrations, whose displacement falls along the way.
+  double start_paths = 0.02;
   // Demonstration samples nearer to Xu than this (normalised units, per axis, >= 0) are left out; twice this
   // for demonstrations that pass through Xu, whose samples within Xu by more than this stay.
   double obstacle_margin = 0.05;

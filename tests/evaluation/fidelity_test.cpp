@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "s2nnds/core/check.h"
 #include "s2nnds/problem/region.h"
 
 namespace s2nnds {
@@ -95,8 +96,54 @@ TEST(Fidelity, MeasuresStartsByTheNearestDemonstration) {
   ASSERT_EQ(found.size(), 2U);
   EXPECT_LT(found[0].largest, 0.025);  // along the second
   EXPECT_TRUE(found[0].follows());
-  EXPECT_FALSE(found[1].follows());  // along neither
+  EXPECT_GT(found[1].limit, 0.4);  // far from both starts
   EXPECT_NEAR(found[1].largest, std::sqrt(2.0), 0.7);
+}
+
+TEST(Fidelity, AllowsForAStartThatLiesApart) {
+  const auto straight = shown([](double) { return 0.0; });
+  Points starts(2, 2);
+  starts << 1.0, 0.0, 1.0, 0.3;
+  const auto found = start_deviations(kStraight, problem_with(nothing()), {straight}, starts, 0.1, 0.0);
+  EXPECT_DOUBLE_EQ(found[0].limit, 0.1);
+  EXPECT_NEAR(found[1].limit, 0.2, 1e-12);
+  EXPECT_NEAR(found[1].mean, 0.15, 0.03);  // its distance falls evenly
+  EXPECT_TRUE(found[1].follows());
+}
+
+TEST(Fidelity, DoesNotJudgeAStartWhoseWayIsBlocked) {
+  const auto bow = [](double x) { return 2.0 * x * (1.0 - x); };
+  const Points start = (Points(1, 2) << 1.0, 0.2).finished();
+  const auto judged = start_deviations(kStraight, problem_with(nothing()), {shown(bow)}, start, 0.1, 0.0);
+  EXPECT_FALSE(judged[0].follows());
+  const Vector on_the_way = (Vector(2) << 0.9, 0.18 + 0.2 * 0.81).finished();
+  const auto blocked =
+      start_deviations(kStraight, problem_with(ball(on_the_way, 0.05)), {shown(bow)}, start, 0.1, 0.0);
+  EXPECT_TRUE(blocked[0].follows());
+}
+
+TEST(Fidelity, CorrectsTheMotionsThatStrayBackToTheirWay) {
+  const auto straight = shown([](double) { return 0.0; });
+  const Points none(0, 2);
+  EXPECT_EQ(corrections_of(kStraight, problem_with(nothing()), {straight}, none, 0.1, 0.0).position.rows(),
+            0);
+  // A field that drifts downwards first.
+  const StateFunction drifts = [](const Points& x) -> Points {
+    Points v = -x;
+    v.col(1).array() -= 2.0 * x.col(0).array();
+    return v;
+  };
+  const VelocityTargets found = corrections_of(drifts, problem_with(nothing()), {straight}, none, 0.1, 0.0);
+  ASSERT_GT(found.position.rows(), 10);
+  ASSERT_EQ(found.velocity.rows(), found.position.rows());
+  std::int64_t away = 0;
+  for (Eigen::Index i = 0; i < found.position.rows(); ++i) {
+    if (found.position(i, 1) > -0.05) continue;  // on the way itself
+    ++away;
+    EXPECT_GT(found.velocity(i, 1), 0.0);
+  }
+  EXPECT_GT(away, 5);
+  EXPECT_THROW(corrections_of(drifts, problem_with(nothing()), {}, none, 0.1, 0.0), Error);
 }
 
 }  // namespace

@@ -137,12 +137,12 @@ TEST(Plan, StartsAnewWhereNoCertificateCanExist) {
 }
 
 TEST(Plan, DoesNotTakeACertificateOfAnotherMotion) {
-  const std::string more = ", imitation 3, obstacle_normal 0";
-  expect_plans({}, {{"once", {kOther}, kAnew + more},
-                    {"it lasts", {kOther, kBad}, kSearch + "0.9" + more},
-                    {"twice", 2 * kOther, kAnew + ", imitation 9"},
-                    {"it is taken at last, as it is", 3 * kOther, "finished"}});
-  EXPECT_FALSE(has_clean_round(history_of(2 * kOther), {}));
+  expect_plans({}, {{"once", {kOther}, kSearch + "0.9, imitation 2"},
+                    {"it lasts", {kOther, kBad}, kSearch + "0.81, imitation 2"},
+                    {"twice", 2 * kOther, kSearch + "0.81, imitation 4"},
+                    {"three times", 3 * kOther, kAnew + ", imitation 4, obstacle_normal 0"},
+                    {"it is taken at last, as it is", 6 * kOther, "finished"}});
+  EXPECT_FALSE(has_clean_round(history_of(5 * kOther), {}));
   EXPECT_TRUE(has_clean_round(history_of({kOther, kClean}), {}));
 }
 
@@ -170,29 +170,43 @@ TEST(Plan, RefinesWhatIsNearlyCleanFourTimesInARow) {
 }
 
 TEST(Plan, FineTunesAfterTheFirstCleanRoundAndIsMoreCarefulAfterFailures) {
-  expect_plans(
-      {},
-      {{"at once", {kClean}, kFinetune + ", imitation 10"},
-       {"first clean round", kFirstClean, kFinetune + ", imitation 10"},
-       {"failed", kFirstClean + 1 * kNotFinetuned, kFinetune + ", imitation 5"},
-       {"failed twice", kFirstClean + 2 * kNotFinetuned, kFinetune + ", imitation 2.5"},
-       {"no less than 1", kFirstClean + 5 * kNotFinetuned, kFinetune},
-       {"dares more again", kFirstClean + 2 * kNotFinetuned + 1 * kFinetuned, kFinetune + ", imitation 3.75"},
-       {"no more than at first", kFirstClean + 2 * kFinetuned, kFinetune + ", imitation 10"},
-       {"the end of it", kFirstClean + 7 * kFinetuned, kEnlarge + ", rollout_safety 4, obstacle_normal 0"}});
+  expect_plans({}, {{"at once", {kClean}, kFinetune + ", imitation 10"},
+                    {"first clean round", kFirstClean, kFinetune + ", imitation 10"},
+                    {"failed", kFirstClean + 1 * kNotFinetuned, kFinetune + ", imitation 5"},
+                    {"failed twice", kFirstClean + 2 * kNotFinetuned, kFinetune + ", imitation 2.5"},
+                    {"no less than 1", kFirstClean + 5 * kNotFinetuned, kFinetune},
+                    {"dares more again", kFirstClean + 2 * kNotFinetuned + 1 * kFinetuned,
+                     kFinetune + ", imitation 3.75"},
+                    {"no more than at first", kFirstClean + 2 * kFinetuned, kFinetune + ", imitation 10"},
+                    {"the end of it", kFirstClean + 7 * kFinetuned, kEnlarge + ", obstacle_normal 0"}});
+}
+
+TEST(Plan, EndsFineTuningWhereItBringsNothing) {
+  const auto after = [](const std::vector<double>& errors) {
+    std::vector<RoundSummary> history = history_of(kFirstClean + errors.size() * kFinetuned);
+    for (std::size_t k = 0; k < errors.size(); ++k)
+      history[history.size() - errors.size() + k].mse = errors[k];
+    return plan(history, {}).stage;
+  };
+  EXPECT_EQ(after({1.0, 1.0, 1.0, 1.0}), Stage::imitation_finetune);
+  EXPECT_EQ(after({1.0, 1.0, 1.0, 1.0, 0.9}), Stage::imitation_finetune);
+  EXPECT_EQ(after({1.0, 1.0, 1.0, 1.0, 0.98}), Stage::enlarge);
+  EXPECT_EQ(after({1.0, 0.9, 0.9, 0.91, 0.9, 0.85}), Stage::imitation_finetune);
+  EXPECT_EQ(after({1.0, 0.5, 0.9, 0.91, 0.9, 0.85}), Stage::enlarge);
 }
 
 TEST(Plan, ThenEnlargesAndEnds) {
   TrainerOptions options;
   options.imitation_finetune_rounds = 0;
   options.enlarge_rounds = 3;
-  expect_plans(options,
-               {{"first clean round", kFirstClean, kEnlarge + ", rollout_safety 4, obstacle_normal 0"},
-                {"it grew", kFirstClean + 1 * kEnlarged, kEnlarge + ", rollout_safety 4, obstacle_normal 0"},
-                {"failed", kFirstClean + Rounds{kEnlarged, kNotEnlarged},
-                 kEnlarge + ", rollout_safety 2, obstacle_normal 0"},
-                {"failed twice", kFirstClean + 2 * kNotEnlarged, kEnlarge + ", obstacle_normal 0"},
-                {"the end", kFirstClean + Rounds{kEnlarged, kNotEnlarged, kEnlarged}, "finished"}});
+  expect_plans(options, {{"first clean round", kFirstClean, kEnlarge + ", obstacle_normal 0"},
+                         {"it grew", kFirstClean + 1 * kEnlarged, kEnlarge + ", obstacle_normal 0"},
+                         {"failed", kFirstClean + Rounds{kEnlarged, kNotEnlarged},
+                          kEnlarge + ", rollout_safety 0.5, obstacle_normal 0"},
+                         {"failed twice", kFirstClean + 2 * kNotEnlarged,
+                          kEnlarge + ", rollout_safety 0.25, obstacle_normal 0"},
+
+                         {"the end", kFirstClean + Rounds{kEnlarged, kNotEnlarged, kEnlarged}, "finished"}});
   options.rollout_points = 0;
   expect_plans(options, {{"nothing to enlarge by", kFirstClean, "finished"}});
 }

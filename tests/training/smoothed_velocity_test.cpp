@@ -59,6 +59,12 @@ TEST(SmoothedVelocity, TheShareBlends) {
   EXPECT_EQ(stack_velocities(smoothed(raw, 0.0)), v);
 }
 
+TEST(SmoothedVelocity, LeavesMotionsThatLieFarApartAsTheyAre) {
+  std::vector<Demonstration> raw = spirals(4, 0.3);
+  for (std::size_t k = 0; k < raw.size(); ++k) raw[k].position.col(0).array() += static_cast<double>(k);
+  EXPECT_EQ(stack_velocities(smoothed(raw, 1.0)), stack_velocities(raw));
+}
+
 TEST(SmoothedVelocity, LeavesASingleDemonstrationAsItIs) {
   const std::vector<Demonstration> raw = spirals(1, 0.3);
   EXPECT_EQ(stack_velocities(smoothed(raw, 1.0)), stack_velocities(raw));
