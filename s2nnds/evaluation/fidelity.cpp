@@ -18,7 +18,7 @@ constexpr Eigen::Index kPlaces = 200;  // of a path
 // different places, would otherwise allow anything.
 constexpr double kMostOfLimit = 1.5;
 // Share of the limit beyond which a motion is corrected.
-constexpr double kStrays = 0.6;
+constexpr double kStrays = 0.8;
 constexpr Eigen::Index kCorrected = 5;  // one of so many places is corrected
 // Towards the path that should be taken, per distance to it, 1 / normalised time.
 constexpr double kGain = 1.0;

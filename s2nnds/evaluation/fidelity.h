@@ -34,7 +34,7 @@ std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProb
                                         const Points& starts, double limit, double margin,
                                         const RolloutOptions& options = {});
 
-// Of the motions from the demonstrations' first points and from `starts` [N, n], those whose deviation is more than 0.6 of its
+// Of the motions from the demonstrations' first points and from `starts` [N, n], those whose deviation is more than 0.8 of its
 // limit: at places along them and along the path that they should take (start_paths.h), the velocity there, and back to
 // it. Where a demonstration is not followed, only those of demonstrations. Normalised units. Throws Error without demonstrations.
 VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& problem,

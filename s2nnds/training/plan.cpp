@@ -42,7 +42,7 @@ constexpr std::int64_t kRefiningRounds = 4;
 constexpr double kFinetunedImitation = 10.0;  // at first; see careful()
 constexpr double kFinetunedRate = 0.3;        // what is certified must stay nearly as it is
 
-// Fine-tuning ends when the best error of so many rounds is less than this below the best before them.
+// Fine-tuning ends when the best error of so many rounds that were kept is less than this below the best before them.
 constexpr std::int64_t kPlateau = 4;
 constexpr double kPlateauGain = 0.03;
 
@@ -169,7 +169,7 @@ bool is_fitted(const History& history) {
   double best = std::numeric_limits<double>::infinity(), best_before = best;
   std::vector<double> errors;
   for (const RoundSummary& row : history) {
-    if (row.stage == Stage::imitation_finetune) errors.push_back(row.mse);
+    if (row.stage == Stage::imitation_finetune && row.is_kept()) errors.push_back(row.mse);
   }
   if (std::ssize(errors) <= kPlateau) return false;
   for (std::size_t k = 0; k < errors.size(); ++k) {
