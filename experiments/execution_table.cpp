@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The price of a certificate of the motion as executed: Table I's motions trained for robots that err by more and more.
 //
-// Rows: nothing asked for; velocities wrong by 0.01, 0.02, 0.05 and 0.1 (normalised); an arm at 1 kHz (preset arm_1khz) that
-// draws each motion so large that its largest coordinate is 150 mm.
+// Rows: nothing asked for; velocities wrong by 0.01, 0.02, 0.05 and 0.1 (normalised); an arm at 1 kHz (preset
+// arm_1khz) that draws each motion so large that its largest coordinate is 150 mm.
 //
 // Expected: nearly every run certified as executed, at some per cent of error and area.
 //

@@ -215,7 +215,8 @@ std::vector<std::string> matlab_files(const std::vector<std::string>& paths, con
   return files;
 }
 
-// Whether a MATLAB file has all demonstrations of a motion in a published layout: lasa, ds_opt, or "" for neither.
+// Whether a MATLAB file has all demonstrations of a motion in a published layout: lasa, ds_opt, or "" for
+// neither.
 std::string layout_of(const std::string& file, const std::string& data_dir) {
   for (const char* const layout : {"lasa", "ds_opt"}) {
     DataOptions data;

@@ -49,8 +49,8 @@ enum class Precision { single_, double_ };
 // The residuals at N points [N, n] -> [N, condition_count]; -infinity where a condition does not apply, NaN
 // where a network overflows. `level_band` is eps_B, the half-width of the band around {B = 0}. Nothing
 // applies outside X; a point at the goal itself (x = 0 exactly) is outside rho_1 and rho_2.
-// With a `demand`, rho_5 and, beyond its radius, rho_2 are the rates along the worst motion that the execution model admits
-// (worst_perturbation.h) instead of those along f.
+// With a `demand`, rho_5 and, beyond its radius, rho_2 are the rates along the worst motion that the
+// execution model admits (worst_perturbation.h) instead of those along f.
 Points residuals(const Networks& networks, const SafetyProblem& problem, double level_band, const Points& x,
                  Precision precision = Precision::double_, const ExecutionDemand& demand = {});
 

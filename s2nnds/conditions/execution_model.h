@@ -5,10 +5,11 @@
 
 namespace s2nnds {
 
-// How a robot executes xdot = f(x), in normalised length and time. Every `period` or sooner it takes a reading y of a
-// position that is at most `delay` old, with |y - x| <= position_error, and commands u = speed (f(y) + e), |e| <= field_error, until the next.
-// It moves with xdot = v + w, |w| <= velocity_error + velocity_error_relative |u|, where v = u, or, with lag > 0,
-// lag vdot = u - v, v(0) being the first command. Before the start it is where it starts.
+// How a robot executes xdot = f(x), in normalised length and time. Every `period` or sooner it takes a
+// reading y of a position that is at most `delay` old, with |y - x| <= position_error, and commands u = speed
+// (f(y) + e), |e| <= field_error, until the next. It moves with xdot = v + w, |w| <= velocity_error +
+// velocity_error_relative |u|, where v = u, or, with lag > 0, lag vdot = u - v, v(0) being the first command.
+// Before the start it is where it starts.
 struct ExecutionModel {
   double period = 0.0, delay = 0.0, lag = 0.0;                 // >= 0
   double position_error = 0.0;                                 // >= 0

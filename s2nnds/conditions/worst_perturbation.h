@@ -9,11 +9,13 @@
 
 namespace s2nnds {
 
-// Of the perturbations delta in xdot = speed (f(x) + delta) that the model admits at a place x, the one that raises a function y(x) the
-// most: grad y . delta is what must be added to grad y . f. To first order in the distance of the readings, so an estimate; verification/executed_motion.h
-// bounds it on boxes. With f(y) - f(x) = J (error of the reading - what was moved since) and p = J' grad y it is
+// Of the perturbations delta in xdot = speed (f(x) + delta) that the model admits at a place x, the one that
+// raises a function y(x) the most: grad y . delta is what must be added to grad y . f. To first order in the
+// distance of the readings, so an estimate; verification/executed_motion.h bounds it on boxes. With f(y) -
+// f(x) = J (error of the reading - what was moved since) and p = J' grad y it is
 //   |p| position_error + window (most_speed |p . f| + |p| |error of xdot|) + |grad y| |error of xdot| / least_speed.
-// Reads grad y [n], f [n] and J [n, n] (row-major, null where the model does not displace readings); writes delta [n].
+// Reads grad y [n], f [n] and J [n, n] (row-major, null where the model does not displace readings); writes
+// delta [n].
 template <typename T>
 void worst_perturbation(const ExecutionModel& model, std::ptrdiff_t n, const T* gradient, const T* velocity,
                         const T* jacobian, T* delta) {

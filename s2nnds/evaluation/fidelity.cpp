@@ -14,15 +14,16 @@ namespace s2nnds {
 namespace {
 
 constexpr Eigen::Index kPlaces = 200;  // of a path
-// Of the limit, at most, where demonstrations lie farther apart than it: two that go different ways, or start in
-// different places, would otherwise allow anything.
+// Of the limit, at most, where demonstrations lie farther apart than it: two that go different ways, or start
+// in different places, would otherwise allow anything.
 constexpr double kMostOfLimit = 1.5;
 // Share of the limit beyond which a motion is corrected.
 constexpr double kStrays = 0.8;
 constexpr Eigen::Index kCorrected = 5;  // one of so many places is corrected
 // Towards the path that should be taken, per distance to it, 1 / normalised time.
 constexpr double kGain = 1.0;
-// Corrections are at least so fast: motions start slowly, and errors of f as large as its velocity turn them aside.
+// Corrections are at least so fast: motions start slowly, and errors of f as large as its velocity turn them
+// aside.
 constexpr double kLeastSpeed = 0.05;
 
 // Places of a demonstration, and which of them count.

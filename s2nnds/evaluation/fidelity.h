@@ -8,8 +8,8 @@
 
 namespace s2nnds {
 
-// How far the motion from a demonstration's first point is from that demonstration: distances of places that are
-// matched in order, whenever they are passed. Normalised units.
+// How far the motion from a demonstration's first point is from that demonstration: distances of places that
+// are matched in order, whenever they are passed. Normalised units.
 struct Deviation {
   double mean = 0.0;     // over the matched pairs
   double largest = 0.0;  // of them: the demonstration is followed within this distance
@@ -17,26 +17,29 @@ struct Deviation {
   bool follows() const { return mean <= limit; }
 };
 
-// One for each demonstration (normalised). Both paths are cut into 200 places evenly spaced along them and matched by
-// dynamic time warping, so that speed does not count. Places of a demonstration within `margin` of the unsafe set
-// do not count either: no safe motion follows it there. The limit is `limit`, or the mean distance to the nearest other
-// demonstration where that is more, but 1.5 `limit` at most: f has one velocity at each place and cannot be near to all.
+// One for each demonstration (normalised). Both paths are cut into 200 places evenly spaced along them and
+// matched by dynamic time warping, so that speed does not count. Places of a demonstration within `margin` of
+// the unsafe set do not count either: no safe motion follows it there. The limit is `limit`, or the mean
+// distance to the nearest other demonstration where that is more, but 1.5 `limit` at most: f has one velocity
+// at each place and cannot be near to all.
 std::vector<Deviation> deviations(const StateFunction& f, const SafetyProblem& problem,
                                   const std::vector<Demonstration>& demonstrations, double limit,
                                   double margin, const RolloutOptions& options = {});
 
-// The same for motions from `starts` [N, n]: of each, the deviation from the demonstration that it follows best, by mean /
-// limit. The limit is that demonstration's and a third of the distance between both starts: the mean distance of a
-// motion that comes nearer as start_paths.h says. It is infinite where the path of start_paths.h would lead through the
-// unsafe set, so that the motion must go another way. Throws Error without demonstrations.
+// The same for motions from `starts` [N, n]: of each, the deviation from the demonstration that it follows
+// best, by mean / limit. The limit is that demonstration's and a third of the distance between both starts:
+// the mean distance of a motion that comes nearer as start_paths.h says. It is infinite where the path of
+// start_paths.h would lead through the unsafe set, so that the motion must go another way. Throws Error
+// without demonstrations.
 std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProblem& problem,
                                         const std::vector<Demonstration>& demonstrations,
                                         const Points& starts, double limit, double margin,
                                         const RolloutOptions& options = {});
 
-// Of the motions from the demonstrations' first points and from `starts` [N, n], those whose deviation is more than 0.8 of its
-// limit: at places along them and along the path that they should take (start_paths.h), the velocity there, and back to
-// it. Where a demonstration is not followed, only those of demonstrations. Normalised units. Throws Error without demonstrations.
+// Of the motions from the demonstrations' first points and from `starts` [N, n], those whose deviation is
+// more than 0.8 of its limit: at places along them and along the path that they should take (start_paths.h),
+// the velocity there, and back to it. Where a demonstration is not followed, only those of demonstrations.
+// Normalised units. Throws Error without demonstrations.
 VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& problem,
                                const std::vector<Demonstration>& demonstrations, const Points& starts,
                                double limit, double margin, const RolloutOptions& options = {});

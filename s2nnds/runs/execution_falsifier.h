@@ -10,10 +10,10 @@
 
 namespace s2nnds {
 
-// Asks whether {B <= 0} is invariant for motions as the robot executes them, with f evaluated in float32, so that
-// the guarantee speaks of the exported policy too; where nothing is known of the robot, whether the barrier withstands
-// disturbances as large as that error of f. Boxes where it stays open go back into training. To be
-// added behind the ProofSource, whose conditions it presumes.
+// Asks whether {B <= 0} is invariant for motions as the robot executes them, with f evaluated in float32, so
+// that the guarantee speaks of the exported policy too; where nothing is known of the robot, whether the
+// barrier withstands disturbances as large as that error of f. Boxes where it stays open go back into
+// training. To be added behind the ProofSource, whose conditions it presumes.
 class ExecutionFalsifier : public CounterexampleSource {
  public:
   // `keep`: points that are handed on, at most.

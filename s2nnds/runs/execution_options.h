@@ -9,11 +9,11 @@
 
 namespace s2nnds {
 
-// How the robot executes the motion, for the proof to cover it (conditions/execution_model.h). All zeros: only the
-// ideal motion x' = f(x) is certified.
+// How the robot executes the motion, for the proof to cover it (conditions/execution_model.h). All zeros:
+// only the ideal motion x' = f(x) is certified.
 struct ExecutionOptions {
-  // Where the other keys start from: none, or arm_1khz, an arm at 1 kHz with feed-forward: 1 ms period, 1 ms delay,
-  // positions wrong by 1 mm, velocities by 2 % and 1 mm/s.
+  // Where the other keys start from: none, or arm_1khz, an arm at 1 kHz with feed-forward: 1 ms period, 1 ms
+  // delay, positions wrong by 1 mm, velocities by 2 % and 1 mm/s.
   std::string preset = "none";
   // Of the two lengths and velocities below: data (that of the demonstrations), mm, m, or normalised.
   std::string unit = "data";
@@ -24,13 +24,15 @@ struct ExecutionOptions {
   double velocity_error = 0.0;           // in `unit` a second: of the arm's velocity, at most, >= 0
   double velocity_error_relative = 0.0;  // the same as a share of the commanded velocity, in [0, 1)
   double speed = 1.0;                    // factor on f with which the motion is executed, > 0
-  // In `unit`: what the demonstrations' largest coordinate (1 normalised) is where the robot moves on another scale
-  // than they were recorded on, >= 0; 0: on the same. Times stay; the other lengths and velocities are the robot's.
+  // In `unit`: what the demonstrations' largest coordinate (1 normalised) is where the robot moves on another
+  // scale than they were recorded on, >= 0; 0: on the same. Times stay; the other lengths and velocities are
+  // the robot's.
   double extent = 0.0;
-  // N s/m, >= 0: damping of an arm that tracks velocities, for which the largest push that it withstands is told; 0: none is.
+  // N s/m, >= 0: damping of an arm that tracks velocities, for which the largest push that it withstands is
+  // told; 0: none is.
   double damping = 0.0;
-  // In `unit`, >= 0: training asks for V to fall as executed where the goal is farther than this; 0: nowhere. What ball the
-  // motion converges to is proved and told in any case.
+  // In `unit`, >= 0: training asks for V to fall as executed where the goal is farther than this; 0: nowhere.
+  // What ball the motion converges to is proved and told in any case.
   double convergence_radius = 0.0;
 
   void visit(FieldVisitor& v);  // names each field once; a preset that is read sets all others
@@ -38,8 +40,8 @@ struct ExecutionOptions {
   bool is_ideal() const;  // nothing is asked for: every error and time is 0 and the speed 1
 };
 
-// The model in normalised units; `field_error` bounds the error of evaluating f (normalised velocity). Throws Error
-// where `unit` cannot be told from the data's.
+// The model in normalised units; `field_error` bounds the error of evaluating f (normalised velocity). Throws
+// Error where `unit` cannot be told from the data's.
 ExecutionModel execution_model(const ExecutionOptions& options, const Frame& frame, double field_error);
 
 // What training asks of the conditions; all but field_error, which depends on f.
@@ -48,7 +50,8 @@ ExecutionDemand execution_demand(const ExecutionOptions& options, const Frame& f
 // Metres that 1 normalised is where the robot moves. Throws Error where the data's unit is no length.
 double metres_per_normalised(const ExecutionOptions& options, const Frame& frame);
 
-// The model in words, in the data's unit, lengths as the robot moves: "a reading every 1 ms or sooner, at most 1 ms old and wrong by at most ...".
+// The model in words, in the data's unit, lengths as the robot moves: "a reading every 1 ms or sooner, at
+// most 1 ms old and wrong by at most ...".
 std::string execution_in_words(const ExecutionOptions& options, const Frame& frame);
 
 }  // namespace s2nnds

@@ -72,7 +72,8 @@ std::string fidelity_remark(const PreparedRun& setup, const RunRecord& record,
       reason_of(setup, record, strays));
 }
 
-// Motions from the initial set that take another way than any demonstration; empty where none of those looked at does.
+// Motions from the initial set that take another way than any demonstration; empty where none of those looked
+// at does.
 std::string initial_set_remark(const RunRecord& record, const std::vector<Deviation>& deviations) {
   std::int64_t strays = 0;
   const Deviation* worst = nullptr;

@@ -68,8 +68,8 @@ struct EvaluationSummary {
   double dtw_train = not_measured;
   double dtw_test = not_measured;              // the same, to test demonstrations
   double dtw_independent_test = not_measured;  // dtw_independent instead: each axis warped by itself, a sum
-  // Over the training demonstrations (fidelity.h): the largest mean distance of a motion from its own, the largest
-  // distance at all, and how many count as not followed.
+  // Over the training demonstrations (fidelity.h): the largest mean distance of a motion from its own, the
+  // largest distance at all, and how many count as not followed.
   double deviation_mean = not_measured;
   double deviation_largest = not_measured;
   double not_followed = not_measured;
@@ -141,8 +141,8 @@ struct RunRecord {
   Certificate certificate;                              // what is known of these networks
   // By condition, [k, 2n] lower then upper corner: boxes that were not proved.
   std::vector<std::pair<std::string, Points>> open_boxes;
-  // [k, n + 1]: samples of the training demonstrations, each with the largest push (N s) there that does not leave the
-  // safe set; [0, 0] where execution.damping is 0.
+  // [k, n + 1]: samples of the training demonstrations, each with the largest push (N s) there that does not
+  // leave the safe set; [0, 0] where execution.damping is 0.
   Points pushes;
   EvaluationSummary evaluation;          // figures of the motion's quality
   std::vector<std::string> remarks;      // on the motion, a sentence each (motion_report.h)
@@ -167,8 +167,8 @@ void save_run(const std::string& path, const RunRecord& record);
 // The bisections (BisectionTree::bytes) that proved each condition, by its name.
 using ProofCovers = std::vector<std::pair<std::string, std::vector<std::uint8_t>>>;
 
-// Replaces the file at `path` by the record's proof, which s2nnds-check reads: networks, scope and covers alone, where
-// save_run() puts them, and /cover/NAME.
+// Replaces the file at `path` by the record's proof, which s2nnds-check reads: networks, scope and covers
+// alone, where save_run() puts them, and /cover/NAME.
 void save_proof(const std::string& path, const RunRecord& record, const ProofCovers& covers);
 
 // Throws Error naming the file and the item: a missing or truncated file, another schema, wrong shapes,

@@ -52,7 +52,8 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
   if (record.checkpoint) trainer.restore(to_trainer_state(record));
   trainer.on_round([&](const RoundSummary& row, const Trainer& current) {
     store_trainer_state(current.state(), record);
-    // All rounds after it keep what was clean. Where the prover is a source, everything is proved from here on.
+    // All rounds after it keep what was clean. Where the prover is a source, everything is proved from here
+    // on.
     const bool certified =
         row.is_kept() && row.stage == Stage::search && row.round >= config.training.min_rounds;
     if (certified) record.timing.first_clean_round = row.seconds;

@@ -38,8 +38,9 @@ void verify_executed(const PreparedRun& setup, const ProofFunctions& functions, 
   found.shield_cone = shield.cone;
 }
 
-// Of an arm that tracks velocities, xdot = f(x) + e with M edot = F - D e, a push J moves the arm by J / D beside what f does. Where it is
-// short and M / D is, that is a jump, which stays in the safe set if that reaches that far.
+// Of an arm that tracks velocities, xdot = f(x) + e with M edot = F - D e, a push J moves the arm by J / D
+// beside what f does. Where it is short and M / D is, that is a jump, which stays in the safe set if that
+// reaches that far.
 void find_pushes(const PreparedRun& setup, const ProofFunctions& functions, RunRecord& record) {
   const ExecutionOptions& options = setup.config.execution;
   const double metres = metres_per_normalised(options, setup.data.frame);
@@ -122,8 +123,8 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
             const ProofProgress& progress, ProofCovers* covers) {
   const Stopwatch watch;
   Certificate& certificate = record.certificate;
-  // What was found of other weights or of another problem is void, and so is what was changed since. The conformal
-  // attempts go on being counted.
+  // What was found of other weights or of another problem is void, and so is what was changed since. The
+  // conformal attempts go on being counted.
   if (!is_intact(setup, record)) {
     const std::int64_t attempts = certificate.attempts;
     certificate = {};

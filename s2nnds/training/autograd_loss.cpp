@@ -12,7 +12,8 @@ torch::Tensor unit(const torch::Tensor& vectors) {
   return torch::where(size == 0.0, torch::zeros_like(vectors), vectors / size);
 }
 
-// As worst_perturbation.h for gradients [N, n] and f(x) [N, n]; constants. `jacobian` [N, n, n] may be undefined.
+// As worst_perturbation.h for gradients [N, n] and f(x) [N, n]; constants. `jacobian` [N, n, n] may be
+// undefined.
 torch::Tensor worst_perturbations(const ExecutionModel& model, const torch::Tensor& gradient,
                                   const torch::Tensor& f, const torch::Tensor& jacobian) {
   const torch::Tensor command = f.norm(2, {1}, true) + model.field_error,
@@ -38,8 +39,8 @@ torch::Tensor jacobian_of(VectorField& f, const torch::Tensor& x, const Executio
   return torch::stack(rows, 1).detach();
 }
 
-// A scalar network W and grad W . direction, both [N]; the direction may be undefined. `perturb` gives what is added
-// to it where grad W is known.
+// A scalar network W and grad W . direction, both [N]; the direction may be undefined. `perturb` gives what
+// is added to it where grad W is known.
 template <typename Network, typename Perturb>
 void evaluate(Network& network, const torch::Tensor& x, const torch::Tensor& direction,
               const Perturb& perturb, torch::Tensor& value, torch::Tensor& dot) {

@@ -28,7 +28,8 @@ struct CounterexamplePools {
 // no options: they are near BatchOptions::unsafe, so that each term of the loss has enough points.
 inline constexpr Eigen::Index labelled_points = 256;
 inline constexpr Eigen::Index upstream_points = 128;  // points of motions followed back into {B > 0}
-// Points of motions followed back to X0, and of those that stray. They come on top of BatchOptions::demonstrations.
+// Points of motions followed back to X0, and of those that stray. They come on top of
+// BatchOptions::demonstrations.
 inline constexpr Eigen::Index correction_points = 128;
 inline constexpr Eigen::Index boundary_points_drawn = 128;  // points of the obstacle's boundary
 

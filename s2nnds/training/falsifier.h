@@ -14,7 +14,7 @@ struct FalsifierOptions {
   // takes a tenth of all of these.
   std::int64_t samples = 200000;
   std::int64_t keep = counterexamples_kept;  // worst violators of each condition that are handed on, >= 0
-  ExecutionDemand execution = {};                 // what the conditions ask for beyond the ideal motion
+  ExecutionDemand execution = {};            // what the conditions ask for beyond the ideal motion
 };
 
 // Algorithm 2's search: fresh uniform samples of every region.

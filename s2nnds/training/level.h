@@ -16,11 +16,11 @@ namespace s2nnds {
 struct LevelOptions {
   // Uniform in X, >= 1; two fifths as many each in X0, Xu and the workspace margin.
   std::int64_t samples = 50000;
-  double level_band = 0.01;      // eps_B > 0
-  double reach = 0.1;            // |c| at most, >= 0
-  double slack = 0.005;          // B differs from c by at least this on X0 and Xu, >= 0
-  double slack_decrease = 0.03;  // where |B - c| <= 1.5 level_band, Bdot <= -slack_decrease; >= 0
-  ExecutionDemand execution = {};     // whose Bdot that is
+  double level_band = 0.01;        // eps_B > 0
+  double reach = 0.1;              // |c| at most, >= 0
+  double slack = 0.005;            // B differs from c by at least this on X0 and Xu, >= 0
+  double slack_decrease = 0.03;    // where |B - c| <= 1.5 level_band, Bdot <= -slack_decrease; >= 0
+  ExecutionDemand execution = {};  // whose Bdot that is
 };
 
 // Which level set of B to call {B = 0}. The conditions on B speak of one level set only, and what training

@@ -13,9 +13,10 @@ class Tensor;
 
 namespace s2nnds {
 
-// Some of what the networks are at a sample. Dots are derivatives along f; where LossOptions::execution asks for more, along f plus
-// the perturbation that raises V or B most, held constant. That gives the gradient in V and B of the rate of the worst
-// motion exactly (Danskin's theorem); in f it leaves out how the perturbation changes with f.
+// Some of what the networks are at a sample. Dots are derivatives along f; where LossOptions::execution asks
+// for more, along f plus the perturbation that raises V or B most, held constant. That gives the gradient in
+// V and B of the rate of the worst motion exactly (Danskin's theorem); in f it leaves out how the
+// perturbation changes with f.
 struct Quantities {
   bool f = false,     // f(x)
       V = false,      // V(x)

@@ -19,7 +19,8 @@ class PhaseRegression {
   explicit PhaseRegression(const std::vector<Demonstration>& demonstrations);
 
   Points velocity(const Points& x) const;  // [N, n] -> [N, n]
-  // How far the demonstrations lie from their mean at the phases of x: standard deviation of the position, [N, n] -> [N].
+  // How far the demonstrations lie from their mean at the phases of x: standard deviation of the position,
+  // [N, n] -> [N].
   Vector spread(const Points& x) const;
 
  private:

@@ -21,8 +21,9 @@ constexpr double kLeastRate = 0.05;
 // obstacle on the other side than the demonstrations.
 constexpr double kRelaxedImitation = 0.5;
 constexpr double kRelaxedRollouts = 0.3;
-// A certificate of a motion that does not follow the demonstrations is not taken: what strays is corrected, with more weight
-// on imitation after each, at most twice; every third one is followed by a new start. So many are tried.
+// A certificate of a motion that does not follow the demonstrations is not taken: what strays is corrected,
+// with more weight on imitation after each, at most twice; every third one is followed by a new start. So
+// many are tried.
 constexpr double kMoreImitation = 2.0;
 constexpr std::int64_t kUnfaithfulRounds = 6, kUnfaithfulInARow = 3;
 // So many rounds in a row whose f and B no certificate can have: training does not leave such a shape.
@@ -42,14 +43,15 @@ constexpr std::int64_t kRefiningRounds = 4;
 constexpr double kFinetunedImitation = 10.0;  // at first; see careful()
 constexpr double kFinetunedRate = 0.3;        // what is certified must stay nearly as it is
 
-// Fine-tuning ends when the best error of so many rounds that were kept is less than this below the best before them.
+// Fine-tuning ends when the best error of so many rounds that were kept is less than this below the best
+// before them.
 constexpr std::int64_t kPlateau = 4;
 constexpr double kPlateauGain = 0.03;
 
 constexpr std::int64_t kRepairs = 2;  // what f moved by little, B alone can follow
 
-// At first and at least, see careful(). All labels are of points that B does not hold safe, so each counts several
-// times as much as one of any point.
+// At first and at least, see careful(). All labels are of points that B does not hold safe, so each counts
+// several times as much as one of any point.
 constexpr double kEnlargedRollouts = 1.0, kLeastEnlargedRollouts = 0.1;
 constexpr double kEnlargedMargins = 2.0;  // of the conditions on B, which its growth must not break
 constexpr double kEnlargedRate = 0.5;

@@ -26,7 +26,8 @@ struct RoundPlan {
 
 // The schedule of training, from the rounds so far (history[k].round == k, the warm start first) and the
 // options alone:
-// - search, until a round of at least min_rounds ends clean and its motions follow the demonstrations (after six
+// - search, until a round of at least min_rounds ends clean and its motions follow the demonstrations (after
+// six
 //   clean ones whose motions do not, without that), or `rounds` have ended. Rates fall from round to round. It
 //   starts anew every rate_period rounds, with relaxed weights; after four rounds in a row that no certificate can have;
 //   and after every third clean round of another motion, which all give more weight to the demonstrations. Every
@@ -38,8 +39,8 @@ struct RoundPlan {
 // more careful. Throws Error if the history is empty.
 RoundPlan plan(const std::vector<RoundSummary>& history, const TrainerOptions& options);
 
-// What follows a round that ended nearly clean but for conditions on B, as often as its `repairs` say: B alone
-// is trained for half as many steps on what was found.
+// What follows a round that ended nearly clean but for conditions on B, as often as its `repairs` say: B
+// alone is trained for half as many steps on what was found.
 RoundPlan repair_plan(const RoundPlan& round, const TrainerOptions& options);
 
 // Whether few enough counterexamples are left, all of conditions on B alone, for a repair.

@@ -7,8 +7,8 @@
 namespace s2nnds {
 namespace {
 
-// The spread of the demonstrations up to which velocities are smoothed wholly, and from which on not at all: what
-// motions that lie far apart do otherwise is no noise.
+// The spread of the demonstrations up to which velocities are smoothed wholly, and from which on not at all:
+// what motions that lie far apart do otherwise is no noise.
 constexpr double kWholeWithin = 0.15, kNoneBeyond = 0.3;
 
 }  // namespace

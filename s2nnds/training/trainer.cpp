@@ -31,8 +31,8 @@ constexpr std::int64_t kBandCandidates = 20000;
 constexpr double kBandNear = 0.06;
 constexpr std::int64_t kBandRefresh = 100;
 
-// Points with B below minus this count as safe: the loss of a safe label is 0 there. Of so many times the usual number of
-// points the others, a fifth or so, are labelled where the safe set grows.
+// Points with B below minus this count as safe: the loss of a safe label is 0 there. Of so many times the
+// usual number of points the others, a fifth or so, are labelled where the safe set grows.
 constexpr double kSettled = 0.05;
 constexpr std::int64_t kMoreLabels = 2;
 
@@ -281,7 +281,8 @@ class Trainer::Impl {
     search_anew(row);
   }
 
-  // Of the way from `before` to what the round made, the largest part that ends clean: a half, a quarter, none.
+  // Of the way from `before` to what the round made, the largest part that ends clean: a half, a quarter,
+  // none.
   void go_back_towards(const Networks& before, RoundSummary& row) {
     const Networks after = networks();
     const RoundSummary whole = row;

@@ -37,12 +37,12 @@ struct TrainerSummary {
 // Labels starts [N, n] by their rollouts under f: true where safe and reaching the goal.
 using RolloutLabels = std::function<std::vector<bool>(const NetworkWeights& f, const Points& starts)>;
 
-// What the motions of f that leave the demonstrations' way, from these or from X0, should be corrected to; drawn anew for
-// each round.
+// What the motions of f that leave the demonstrations' way, from these or from X0, should be corrected to;
+// drawn anew for each round.
 using MotionCorrections = std::function<VelocityTargets(const NetworkWeights& f, std::int64_t round)>;
 
-// What is looked at after a round besides counterexamples: fills in deviation (where the round was clean), islands
-// and equilibria.
+// What is looked at after a round besides counterexamples: fills in deviation (where the round was clean),
+// islands and equilibria.
 using RoundLook = std::function<void(const Networks& networks, RoundSummary& row)>;
 
 // The counterexample-guided loop (the paper's Algorithm 2): warm start of f, then rounds of joint training of

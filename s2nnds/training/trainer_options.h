@@ -81,8 +81,8 @@ struct TrainerOptions {
   double rate_f = 1e-3;             // Adam's rate for f, > 0
   double rate_certificates = 5e-3;  // Adam's rate for V and B, > 0
   double rate_decay = 0.9;          // factor of the rates from round to round, in (0, 1]
-  // Rounds after which the search starts anew from the warm start's f: low rates do not change a bad shape, and
-  // some shapes no training changes. >= 0; 0: never.
+  // Rounds after which the search starts anew from the warm start's f: low rates do not change a bad shape,
+  // and some shapes no training changes. >= 0; 0: never.
   std::int64_t rate_period = 10;
   // First rounds of the search that train B alone, >= 0: for networks that come from a like scene.
   std::int64_t barrier_rounds = 0;
@@ -96,17 +96,18 @@ struct TrainerOptions {
   double weight_decay = 0.2;           // decoupled (AdamW), of all weights of f, >= 0
   std::int64_t rollout_points = 4000;  // points of X labelled by rollouts, anew every round, >= 0; 0: none
   double smoothing = 1.0;  // share, in [0, 1], of a phase regression in the velocities that f is fitted to
-  // Samples, as a share of the demonstrations' (>= 0; 0: none), of motions from 32 starts in X0 that differ from those shown:
-  // displaced demonstrations, whose displacement falls along the way.
+  // Samples, as a share of the demonstrations' (>= 0; 0: none), of motions from 32 starts in X0 that differ
+  // from those shown: displaced demonstrations, whose displacement falls along the way.
   double start_paths = 0.02;
   // Demonstration samples nearer to Xu than this (normalised units, per axis, >= 0) are left out; twice this
   // for demonstrations that pass through Xu, whose samples within Xu by more than this stay.
   double obstacle_margin = 0.05;
-  // Points of X in the random search for counterexamples after each round, >= 1; a tenth of them where the prover
-  // looks, too.
+  // Points of X in the random search for counterexamples after each round, >= 1; a tenth of them where the
+  // prover looks, too.
   std::int64_t samples = 200000;
-  double level_band = 0.01;     // eps_B > 0: Bdot < 0 must hold where |B| <= level_band
-  // Normalised velocity, >= 0: {B <= 0} must withstand disturbances of this size, too; on top of what [execution] asks.
+  double level_band = 0.01;  // eps_B > 0: Bdot < 0 must hold where |B| <= level_band
+  // Normalised velocity, >= 0: {B <= 0} must withstand disturbances of this size, too; on top of what
+  // [execution] asks.
   double margin = 0.0;
   WarmStartOptions warm_start;  // the first fit of f alone
   LossOptions loss;             // the terms of the loss

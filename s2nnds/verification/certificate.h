@@ -81,9 +81,9 @@ struct ConditionVerdict {
   void visit(FieldVisitor& v);  // names each field once, see FieldVisitor
 };
 
-// What must be proved besides the conditions. The conditions speak of V and Vdot away from the goal alone; the first
-// two say that the goal is an equilibrium and the least point of V. The others: before {B <= 0} is known to be
-// invariant.
+// What must be proved besides the conditions. The conditions speak of V and Vdot away from the goal alone;
+// the first two say that the goal is an equilibrium and the least point of V. The others: before {B <= 0} is
+// known to be invariant.
 struct SideConditions {
   bool goal_is_equilibrium = false;        // f(0) = 0, exactly
   bool lyapunov_vanishes_at_goal = false;  // V(0) = 0, exactly
@@ -95,8 +95,8 @@ struct SideConditions {
   void visit(FieldVisitor& v);  // names each field once
 };
 
-// What is known of the motion as a robot executes it (executed_motion.h), in normalised units. Besides the guarantee,
-// which speaks of x' = f(x).
+// What is known of the motion as a robot executes it (executed_motion.h), in normalised units. Besides the
+// guarantee, which speaks of x' = f(x).
 struct ExecutionCertificate {
   std::string model;       // how it is executed, in words; "" where only the ideal motion was looked at
   std::string reason;      // why nothing was examined, where that is so
@@ -104,7 +104,8 @@ struct ExecutionCertificate {
   double speed = 1.0;      // factor on f in the model
   double convergence_radius = 0.0;  // of the ball that it then converges to; infinite: not shown
   double most_command = 0.0;        // above every command
-  // Certified factors on f, where they were looked for (most_speed > 0), and above every command at the largest.
+  // Certified factors on f, where they were looked for (most_speed > 0), and above every command at the
+  // largest.
   double least_speed = 0.0, most_speed = 0.0, most_speed_command = 0.0;
   bool shielded = false;                        // any velocities are safe behind the Shield with
   double shield_band = 0.0, shield_cone = 0.0;  // these figures and most_command

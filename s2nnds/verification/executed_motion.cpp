@@ -119,8 +119,8 @@ struct ExecutionBounds {
   double field = 0.0;         // above |f| + field_error at every reading
   double most_command = 0.0;  // above |speed f| there
   double most_rate = 0.0;     // above |xdot|
-  // From the present place, above the distance of every reading that had a part in the motion since the oldest reading
-  // that still counts.
+  // From the present place, above the distance of every reading that had a part in the motion since the
+  // oldest reading that still counts.
   double reach = 0.0;
   double lag_error = 0.0;  // above |v - speed f(x)| / speed, where lag > 0
 
@@ -222,7 +222,8 @@ class ExecutionPerturbation final : public Perturbation {
       const double distance = (model.position_error + model.window() * bounds_.most_rate) * slack;
       return (pulled_norm * distance + norm * bounds_.noise(bounds_.field)) * slack;
     }
-    // |w| / speed and |w| on the way, and p . f: f(y) - f(x) = J (error of the reading - what was moved since).
+    // |w| / speed and |w| on the way, and p . f: f(y) - f(x) = J (error of the reading - what was moved
+    // since).
     const TileRow command = speed + model.field_error;  // |u| / speed
     const TileRow noise = model.velocity_error / model.least_speed + model.velocity_error_relative * command +
                           model.field_error;
@@ -276,8 +277,8 @@ class LevelSetExaminer final : public TileExaminer {
         hopeless_width_(hopeless_boxes * resolution) {}
 
  private:
-  // Where the rate hardly varies over a small box and fails by more than that, its parts will fail too, unless
-  // {B = 0} misses them. Giving up too early costs a certificate, never its truth.
+  // Where the rate hardly varies over a small box and fails by more than that, its parts will fail too,
+  // unless {B = 0} misses them. Giving up too early costs a certificate, never its truth.
   static constexpr double small = 0.03, hopeless_boxes = 40.0;
 
   void evaluate() override {

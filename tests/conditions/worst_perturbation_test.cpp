@@ -30,8 +30,9 @@ Vector in_ball(double radius, RandomStream& random) {
   return radius * v.normalized();
 }
 
-// In a linear field readings are displaced exactly as to first order. The worst of many admissible perturbations comes
-// near the estimate; none exceeds it by more than the motion's change of speed on the way.
+// In a linear field readings are displaced exactly as to first order. The worst of many admissible
+// perturbations comes near the estimate; none exceeds it by more than the motion's change of speed on the
+// way.
 TEST(WorstPerturbation, IsTheWorstOfThoseAdmitted) {
   Points a(2, 2);
   a << -1.0, 2.0, -2.0, -0.5;
@@ -76,7 +77,8 @@ TEST(WorstPerturbation, OfNothingIsNothingAndOfNanIsNan) {
   EXPECT_TRUE(std::isnan(delta[0]));
 }
 
-// The rates of rho_2 beyond its radius and of rho_5 grow by |grad| times the velocity's error; all else stays.
+// The rates of rho_2 beyond its radius and of rho_5 grow by |grad| times the velocity's error; all else
+// stays.
 TEST(Residuals, AsExecutedAddTheWorstWork) {
   const Networks networks = simple_networks();
   const SafetyProblem problem = simple_problem();

@@ -232,7 +232,8 @@ INSTANTIATE_TEST_SUITE_P(All, Engines, testing::ValuesIn(engine_cases()), [](con
          (test.param.dtype == torch::kFloat64 ? "Double" : "Float") + (test.param.executed ? "Executed" : "");
 });
 
-// With what execution adds held constant, the gradients in V and B are those of the rates of the worst motions.
+// With what execution adds held constant, the gradients in V and B are those of the rates of the worst
+// motions.
 TEST(JointLoss, AsExecutedHasTheGradientOfTheWorstRate) {
   LossOptions options;
   options.weight = {};
