@@ -111,6 +111,15 @@ std::vector<ConditionVerdict> verdicts_by(Method method, const PreparedRun& setu
   fail("method: found the value {}, expected 0 to 2", static_cast<int>(method));
 }
 
+// What a proof says besides the guarantee `invariant` falls with it, as by a later counterexample.
+void keep_what_invariance_carries(RunRecord& record) {
+  Certificate& certificate = record.certificate;
+  if (certificate.guarantee == Guarantee::invariant) return;
+  certificate.disturbance_margin = certificate.convergence_radius = 0.0;
+  certificate.execution = {};
+  record.pushes = {};
+}
+
 double& seconds_of(Method method, RunTiming& timing) {
   return method == Method::sampled     ? timing.verification_sampled
          : method == Method::conformal ? timing.verification_conformal
@@ -141,6 +150,7 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
   std::erase_if(certificate.conditions, [&](const ConditionVerdict& old) { return old.method == method; });
   certificate.conditions.insert(certificate.conditions.end(), verdicts.begin(), verdicts.end());
   certificate.guarantee = guarantee_of(certificate.conditions, certificate.side, setup.problem);
+  keep_what_invariance_carries(record);
   certificate.statement = guarantee_statement(record);
   seal_certificate(setup, record);
   seconds_of(method, record.timing) = watch.seconds();

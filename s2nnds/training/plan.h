@@ -27,11 +27,11 @@ struct RoundPlan {
 // The schedule of training, from the rounds so far (history[k].round == k, the warm start first) and the
 // options alone:
 // - search, until a round of at least min_rounds ends clean and its motions follow the demonstrations (after
-// six
-//   clean ones whose motions do not, without that), or `rounds` have ended. Rates fall from round to round. It
-//   starts anew every rate_period rounds, with relaxed weights; after four rounds in a row that no certificate can have;
-//   and after every third clean round of another motion, which all give more weight to the demonstrations. Every
-//   second start does not push f outwards at the obstacle. A round after one that was nearly clean refines.
+//   six clean ones whose motions do not, without that), or `rounds` have ended. Rates fall from round to round.
+//   It starts anew every rate_period rounds, with relaxed weights; after four rounds in a row that no certificate
+//   can have; and after every third clean round of another motion, which all give more weight to the
+//   demonstrations. Every second start does not push f outwards at the obstacle. A round after one that was
+//   nearly clean refines.
 // - imitation_finetune: all three networks are trained with more weight on the demonstrations, so that f
 //   comes nearer to what it would be without conditions; until four rounds bring it no nearer.
 // - enlarge: B alone is trained, and rollout_safety weighs more, so that the safe set grows.

@@ -153,5 +153,31 @@ TEST(ExecutionCertificate, IsVoidForAnotherModel) {
   EXPECT_THROW(check_certificate(record, "a test"), Error);
 }
 
+// A counterexample that is found later ends what was proved besides the guarantee too.
+TEST(ExecutionCertificate, FallsWithTheGuarantee) {
+  RunRecord record =
+      verified("[execution]\nunit = \"normalised\"\nvelocity_error = 0.1\nperiod = 0.001\ndamping = 20.0");
+  ASSERT_TRUE(record.certificate.execution.invariant);
+  ASSERT_GT(record.certificate.disturbance_margin, 0.0);
+  ASSERT_GT(record.pushes.rows(), 0);
+  ConditionVerdict found = record.certificate.conditions.front();
+  found.method = Method::conformal;
+  found.verdict = Verdict::failed;
+  found.violations = 1;
+  record.certificate.conditions.push_back(found);
+  const PreparedRun setup = prepare(record);
+  seal_certificate(setup, record);
+  VerificationOptions options = setup.config.verification;
+  options.sampled.samples = 1000;
+  verify(setup, record, Method::sampled, options);
+  EXPECT_EQ(record.certificate.guarantee, Guarantee::none);
+  EXPECT_EQ(record.certificate.disturbance_margin, 0.0);
+  EXPECT_EQ(record.certificate.execution.model, "");
+  EXPECT_FALSE(record.certificate.execution.invariant);
+  EXPECT_FALSE(record.certificate.execution.shielded);
+  EXPECT_EQ(record.pushes.size(), 0);
+  EXPECT_NO_THROW(check_certificate(record, "a test"));
+}
+
 }  // namespace
 }  // namespace s2nnds
