@@ -15,7 +15,6 @@
 #include <functional>
 #include <future>
 #include <iterator>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -42,10 +41,8 @@ class Ball {
 using Balls = std::vector<Ball>;
 static_assert(sizeof(Ball) == sizeof(arb_struct));  // arb_dot goes over many
 template <auto operation>
-Ball made_by(const Ball& a, const Ball& b) {
-  Ball c;
-  operation(c.ball, a.ball, b.ball, bits);
-  return c;
+Ball made_by(Ball a, const Ball& b) {
+  return operation(a.ball, a.ball, b.ball, bits), a;
 }
 Ball operator+(const Ball& a, const Ball& b) { return made_by<arb_add>(a, b); }
 Ball operator-(const Ball& a, const Ball& b) { return made_by<arb_sub>(a, b); }
@@ -56,17 +53,12 @@ Ball hull(const Ball& a, const Ball& b) { return made_by<arb_union>(a, b); }
 Ball least(const Ball& a, const Ball& b) { return made_by<arb_min>(a, b); }
 Ball greatest(const Ball& a, const Ball& b) { return made_by<arb_max>(a, b); }
 bool is_below(const Ball& a, const Ball& b) { return arb_lt(a.ball, b.ball) != 0; }
-Ball tanh(const Ball& a) {
-  Ball t;
-  arb_tanh(t.ball, a.ball, bits);
-  return t;
-}
+Ball tanh(Ball a) { return arb_tanh(a.ball, a.ball, bits), a; }
 const Ball zero, one(1.0), two(2.0), half(0.5);
 // start + sum_k a_k b_k over `count` balls, of b every `stride`-th.
 Ball dot(const Ball& start, const Ball* a, const Ball* b, size_t count, size_t stride = 1) {
   Ball sum;
-  arb_dot(sum.ball, start.ball, 0, a->ball, 1, b->ball, slong(stride), slong(count), bits);
-  return sum;
+  return arb_dot(sum.ball, start.ball, 0, a->ball, 1, b->ball, slong(stride), slong(count), bits), sum;
 }
 struct Box {
   Numbers lower, upper;  // [n]
@@ -86,8 +78,7 @@ struct Network {
   size_t inputs() const { return layers.front().weight.front().size(); }
   size_t outputs() const { return layers.back().weight.size(); }
 };
-// A box X by its center c and X - c.
-struct Place {
+struct Place {  // a box X by its center c and X - c
   explicit Place(const Box& box) {
     for (size_t d = 0; d < box.lower.size(); ++d) {
       center.emplace_back(0.5 * box.lower[d] + 0.5 * box.upper[d]);
@@ -110,31 +101,26 @@ class Functions {
   const Ball& value(size_t k) const { return at(k)[0]; }      // at c
   const Ball* gradient(size_t k) const { return at(k) + 1; }  // at c, or over X for order 1
   const Ball* hessian(size_t k, size_t i = 0) const { return at(k) + 1 + n() + i * n(); }  // its row i
-  Balls gradient_over(size_t k) const {
+  Balls gradient_over(size_t k, const Ball& part = one) const {
     Balls g(gradient(k), gradient(k) + n());
-    for (size_t i = 0; order_ == 2 && i < n(); ++i) g[i] = g[i] + along_step(hessian(k, i));
+    for (size_t i = 0; order_ == 2 && i < n(); ++i) g[i] = g[i] + part * along_step(hessian(k, i));
     return g;
   }
   // g(X) - g(c). On the way from c to x, grad g lies on average in grad g(c) + hess g(X) (X - c) / 2.
-  Ball change(size_t k) const {
-    Balls g(gradient(k), gradient(k) + n());
-    for (size_t i = 0; order_ == 2 && i < n(); ++i) g[i] = g[i] + half * along_step(hessian(k, i));
-    return along_step(g.data());
-  }
+  Ball change(size_t k) const { return along_step(gradient_over(k, half).data()); }
   Ball value_over(size_t k) const { return value(k) + change(k); }
   Ball along_step(const Ball* slope) const { return dot(zero, slope, place_->step.data(), n()); }
   // W x + b
   Functions after(const Layer& layer) const {
     const size_t rows = layer.weight.size(), inputs = layer.weight.front().size();
     Functions y(*place_, order_, rows);
-    for (size_t k = 0; k < rows; ++k) {
+    for (size_t k = 0; k < rows; ++k)
       for (size_t c = 0; c < columns(); ++c) {
         const size_t i = c <= n() ? 0 : (c - 1) / n() - 1, j = c <= n() ? 0 : (c - 1) % n();
         y.at(k)[c] = j < i ? y.hessian(k, j)[i]
                            : dot(c == 0 && !layer.bias.empty() ? Ball(layer.bias[k]) : zero,
                                  layer.balls[k].data(), at(0) + c, inputs, columns());
       }
-    }
     return y;
   }
   // z_k becomes tanh(z_k), by the chain rule. With t = tanh(z), tanh' = 1 - t^2 and tanh'' = -2 t (1 - t^2).
@@ -178,20 +164,15 @@ Functions apply(const Network& network, const Place& place, size_t order) {
   for (size_t k = 0; k < network.offset.size(); ++k) x.at(k)[0] = x.value(k) - network.offset[k];
   return x;
 }
-void find_offset(Network& network) {
-  const Place origin({Numbers(network.inputs()), Numbers(network.inputs())});
-  const Functions at_origin = apply(network, origin, 1);
-  for (size_t k = 0; network.head != "plain" && k < network.outputs(); ++k)
-    network.offset.push_back(at_origin.value(k));
-}
 // V = |u|^2 + q |x|^2.
-Functions squared_norm(const Functions& u, size_t outputs, double q, const Place& place) {
+Functions squared_norm(const Network& network, const Place& place) {
   const size_t n = place.n();
+  const Functions u = apply(network, place, 2);
   Functions v(place, 2, 1);
   Ball *gradient = v.at(0) + 1, *hessian = gradient + n;  // the value is not needed
-  const Ball twice(2.0 * q);
+  const Ball twice(2.0 * network.quadratic);
   for (size_t d = 0; d < n; ++d) gradient[d] = twice * place.center[d], hessian[d * n + d] = twice;
-  for (size_t k = 0; k < outputs; ++k) {
+  for (size_t k = 0; k < network.outputs(); ++k) {
     const Ball value = two * u.value(k), over = two * u.value_over(k);
     const Balls slope = u.gradient_over(k);
     for (size_t i = 0; i < n; ++i) {
@@ -271,15 +252,14 @@ struct Expression {
     return [number](const Balls&) { return number; };
   }
 };
-// A set {level <= 0} and bounds of it [n].
-struct Region {
+struct Region {  // a set {level <= 0} and bounds of it [n]
   Level level;
   Balls lower, upper;
 };
 template <typename T>
 const T& need(const toml::table& table, const char* key) {
   const T* found = table[key].as<T>();
-  return found != nullptr ? *found : throw std::runtime_error(string("found no ") + key + " as expected");
+  return found != nullptr ? *found : (fail(string("no ") + key + " as expected"), *found);
 }
 Numbers list(const toml::table& table, const char* key) {
   Numbers found;
@@ -287,10 +267,8 @@ Numbers list(const toml::table& table, const char* key) {
   return found;
 }
 double scalar(const toml::table& table, const char* key) {
-  const std::optional<double> found = table[key].value<double>();
-  return found ? *found : throw std::runtime_error(string("found no number ") + key);
+  return table[key].is_number() ? *table[key].value<double>() : (fail(string("no number ") + key), NAN);
 }
-Ball infinity(double sign) { return Ball(std::copysign(INFINITY, sign)); }
 // From its TOML table. Throws on what this program does not know.
 Region read_region(const toml::table& table, size_t n) {
   const string type = table["type"].value_or(string("none"));
@@ -304,24 +282,19 @@ Region read_region(const toml::table& table, size_t n) {
     const Numbers found = list(table, key);
     return found.size() == n ? found : (fail(string("no n numbers ") + key), found);
   };
-  Region region{{}, Balls(n, infinity(-1.0)), Balls(n, infinity(1.0))};
+  Region region{{}, Balls(n, -INFINITY), Balls(n, INFINITY)};
   if (type == "none") {
     region = {[](const Balls&) { return Ball(1.0); }, region.upper, region.lower};
   } else if (type == "ball" || type == "ellipsoid") {  // sum ((x_i - center_i) / radius_i)^2 - 1
     const Numbers center = numbers("center"),
                   radii = type == "ball" ? Numbers(n, scalar(table, "radius")) : numbers("semi_axes");
     if (!(*std::min_element(radii.begin(), radii.end()) > 0.0)) fail("a radius that is not positive");
-    for (size_t d = 0; d < n; ++d) {
-      region.lower[d] = Ball(center[d]) - radii[d];
-      region.upper[d] = Ball(center[d]) + radii[d];
-    }
+    for (size_t d = 0; d < n; ++d)
+      region.lower[d] = Ball(center[d]) - radii[d], region.upper[d] = Ball(center[d]) + radii[d];
     region.level = [=](const Balls& x) {
-      Ball sum(-1.0);
-      for (size_t d = 0; d < n; ++d) {
-        const Ball u = (x[d] - center[d]) / radii[d];
-        sum = sum + u * u;
-      }
-      return sum;
+      Balls u;
+      for (size_t d = 0; d < n; ++d) u.push_back((x[d] - center[d]) / radii[d]);
+      return dot(Ball(-1.0), u.data(), u.data(), n);
     };
   } else if (type == "box") {
     const Numbers lower = numbers("lower"), upper = numbers("upper");
@@ -329,10 +302,7 @@ Region read_region(const toml::table& table, size_t n) {
     region.upper.assign(upper.begin(), upper.end());
     region.level = [=](const Balls& x) {
       Ball most(-1e300);
-      for (size_t d = 0; d < n; ++d) {
-        if (lower[d] > -INFINITY) most = greatest(most, Ball(lower[d]) - x[d]);
-        if (upper[d] < INFINITY) most = greatest(most, x[d] - upper[d]);
-      }
+      for (size_t d = 0; d < n; ++d) most = greatest(most, greatest(Ball(lower[d]) - x[d], x[d] - upper[d]));
       return most;
     };
   } else if (type == "expression") {
@@ -352,11 +322,9 @@ Region read_region(const toml::table& table, size_t n) {
       fail("a region of type " + type + ", which this program cannot check");
     const bool joined = type == "union";
     if (type != "complement") region = parts[0];
-    for (size_t k = 1; joined && k < parts.size(); ++k) {
-      for (size_t d = 0; d < n; ++d) {
-        region.lower[d] = least(region.lower[d], parts[k].lower[d]);
-        region.upper[d] = greatest(region.upper[d], parts[k].upper[d]);
-      }
+    for (size_t k = n; joined && k < n * parts.size(); ++k) {
+      region.lower[k % n] = least(region.lower[k % n], parts[k / n].lower[k % n]);
+      region.upper[k % n] = greatest(region.upper[k % n], parts[k / n].upper[k % n]);
     }
     region.level = [type, parts, joined](const Balls& x) {  // the least, the greatest, the negated level
       Ball level = parts[0].level(x);
@@ -372,8 +340,7 @@ constexpr const char* conditions[][2] = {{"lyapunov_decrease", "Vdot < 0 but at 
                                          {"unsafe", "B > 0 on the unsafe set"},
                                          {"containment", "B > 0 on the workspace's margin and boundary"},
                                          {"barrier_decrease", "Bdot < 0 where |B| <= the band"}};
-// What is to be checked, as the file states it.
-struct Claim {
+struct Claim {  // what is to be checked, as the file states it
   Network f, V, B;
   Box workspace, inner;  // normalised: X, and the part of it within which {B <= 0} must lie
   double level_band = 0.0;
@@ -468,6 +435,10 @@ Network read_network(const File& file, const string& group, string& hashed) {
     network.layers.push_back(std::move(layer));
   }
   if (count == 0) fail("no weights of " + group);
+  const Place origin({Numbers(network.inputs()), Numbers(network.inputs())});
+  const Functions at_origin = apply(network, origin, 1);
+  for (size_t k = 0; network.head != "plain" && k < network.outputs(); ++k)
+    network.offset.push_back(at_origin.value(k));
   return network;
 }
 // Throws one line on a file that is no such file or that this program cannot check.
@@ -541,10 +512,10 @@ bool carries_weights(const string& policy, const Claim& claim) {
       return holds({layer.bias}, single) && (holds(layer.weight, single) || holds(columns, single));
     });
   };
-  const Network* all[] = {&claim.f, &claim.V, &claim.B};
-  return std::all_of(std::begin(all), std::end(all), [&](const Network* network) {
-    return holds_network(*network, false) || holds_network(*network, true);
-  });
+  bool all = true;
+  for (const Network* network : {&claim.f, &claim.V, &claim.B})
+    all = all && (holds_network(*network, false) || holds_network(*network, true));
+  return all;
 }
 // Two boxes that share a face, so that no point is lost: halves along the widest side (the first of several), of `width`.
 std::array<Box, 2> halves(const Box& box, double& width) {
@@ -563,8 +534,7 @@ std::vector<Box> starting_boxes(const Claim& claim, size_t condition) {
   if (claim.cover.empty()) return open;
   for (size_t d = 0; condition == 3 && d < claim.workspace.lower.size(); ++d) {
     open.insert(open.begin(), 2, claim.workspace);
-    open[0].lower[d] = open[0].upper[d];
-    open[1].upper[d] = open[1].lower[d];
+    open[0].lower[d] = open[0].upper[d], open[1].upper[d] = open[1].lower[d];
   }
   const Numbers& bytes = claim.cover[condition];
   size_t bit = 0;
@@ -600,13 +570,11 @@ Box cover(std::vector<Box> open, const std::function<Ball(const Box&)>& enclose,
     // Where the radius is large, one bisection would not do: one for each axis.
     const bool large =
         mag_get_d(arb_radref(found.ball)) > -2.0 * arf_get_d(arb_midref(found.ball), ARF_RND_NEAR);
-    for (size_t k = large ? box.lower.size() : 1; k > 0; --k) {
+    for (size_t k = large ? box.lower.size() : 1; k > 0; --k)
       for (size_t i = open.size(); i-- > last;) {
         const std::array<Box, 2> parts = halves(open[i], width);
-        open[i] = parts[0];
-        open.push_back(parts[1]);
+        open[i] = parts[0], open.push_back(parts[1]);
       }
-    }
     if (width < 1e-9) return box;
   }
   return {};
@@ -652,15 +620,8 @@ bool misses(const Claim& claim, const Region& region, const Box& box) {
     x.push_back(placed(claim, d, hull(box.lower[d], box.upper[d])));
   return region.level(x).is_positive();
 }
-// V's or B's rate on the box.
-Ball rate_range(const Claim& claim, const Network& of, const Place& place) {
-  const Functions u = apply(of, place, 2);
-  return rate_range(of.head == "plain" ? u : squared_norm(u, of.outputs(), of.quadratic, place), claim.f,
-                    place);
-}
 bool run(const string& path, const std::vector<string>& policies) {
-  Claim claim = read_claim(path);
-  for (Network* network : {&claim.f, &claim.V, &claim.B}) find_offset(*network);
+  const Claim claim = read_claim(path);
   const Network &f = claim.f, &V = claim.V, &B = claim.B;
   bool all = std::printf("%s\n%s\n", path.c_str(), claim.text.c_str()) > 0;
   const auto say = [&](const string& what, bool holds, long boxes = 0) {
@@ -684,7 +645,10 @@ bool run(const string& path, const std::vector<string>& policies) {
   const auto level = [&](const Box& box) { return apply(B, Place(box), 2).value_over(0); };
   const Ball shown(-1.0);
   const std::function<Ball(const Box&)> negative[] = {
-      [&](const Box& box) { return within(box, around) ? shown : rate_range(claim, V, Place(box)); },
+      [&](const Box& box) {
+        const Place place(box);
+        return within(box, around) ? shown : rate_range(squared_norm(V, place), f, place);
+      },
       [&](const Box& box) { return misses(claim, claim.initial, box) ? shown : level(box); },
       [&](const Box& box) { return misses(claim, claim.unsafe, box) ? shown : -level(box); },
       [&](const Box& box) { return within(box, claim.inner) ? shown : -level(box); },
@@ -696,9 +660,8 @@ bool run(const string& path, const std::vector<string>& policies) {
       }};
   std::array<long, std::size(conditions)> boxes{};
   std::array<std::future<Box>, std::size(conditions)> open;
-  for (size_t k = 0; k < open.size(); ++k)
-    open[k] = std::async(std::launch::async,
-                         [&, k] { return cover(starting_boxes(claim, k), negative[k], boxes[k]); });
+  const auto task = [&](size_t k) { return cover(starting_boxes(claim, k), negative[k], boxes[k]); };
+  for (size_t k = 0; k < open.size(); ++k) open[k] = std::async(std::launch::async, task, k);
   for (size_t k = 0; k < open.size(); ++k) {
     const Box left = open[k].get();
     say(conditions[k][1], left.lower.empty(), boxes[k]);
@@ -726,9 +689,8 @@ bool run(const string& path, const std::vector<string>& policies) {
 
 int main(int argc, char** argv) {
   const std::vector<string> arguments(argv + 1, argv + argc);
-  if (arguments.empty() || arguments[0].starts_with("-")) {
+  if (arguments.empty() || arguments[0].starts_with("-"))
     return std::fputs("usage: s2nnds-check FILE [POLICY ...]\n", stderr), 2;
-  }
   H5dont_atexit();  // else it complains, as the program ends, of a damaged file that it could not close
   try {
     return run(arguments[0], {arguments.begin() + 1, arguments.end()}) ? 0 : 3;
