@@ -310,7 +310,9 @@ def draw_phase_portrait(ax, run):
 
 
 def phase_portrait_2d(run):
-    figure, ax = plt.subplots(figsize=(6.2, 6.2), constrained_layout=True)
+    width, height = (np.ptp(axis) for axis in run.grid.axes)
+    shape = np.clip(height / width, 0.4, 1.6)  # of the axes; what stands around them takes an inch of height
+    figure, ax = plt.subplots(figsize=(6.2, 1.0 + 5.2 * shape), constrained_layout=True)
     handles = draw_phase_portrait(ax, run)
     ax.set_title(title_of(run))
     legend_below(figure, handles)
