@@ -28,7 +28,10 @@ Counterexamples ProofSource::find(const Networks& networks, const SafetyProblem&
     const ConditionProof proof = prove_condition(condition, functions, problem, level_band, options_);
     const auto q = static_cast<std::size_t>(condition);
     found.points[q] = proof.samples(static_cast<std::size_t>(keep_), random);
-    found.counts[q] = proof.is_proved() ? 0 : std::max<std::int64_t>(1, proof.verdict.open_boxes);
+    // Where it gave up, most open boxes are those that were not looked at.
+    const std::int64_t violations =
+        proof.witnesses.rows() > 0 ? proof.witnesses.rows() : proof.verdict.open_boxes;
+    found.counts[q] = proof.is_proved() ? 0 : std::max<std::int64_t>(1, violations);
     found.samples[q] = proof.verdict.boxes;
     if (condition == Condition::lyapunov_decrease && proof.is_proved())
       decreasing_ = hash_of_motion(networks);

@@ -12,6 +12,20 @@
 #include "s2nnds/training/falsifier.h"
 
 namespace s2nnds {
+namespace {
+
+// Limits of the proofs within training. What succeeds takes a tenth of the boxes; what does not would go on to
+// any limit, and a few hundred points of violations are all that a round can use.
+ProofOptions quick_proof(const Config& config, std::int64_t dimension) {
+  ProofOptions quick = ProofOptions::fail_fast();
+  if (dimension > 2) {
+    quick.max_boxes = config.verification.proof.max_boxes;
+    quick.max_after_refuted *= 10;
+  }
+  return quick;
+}
+
+}  // namespace
 
 TrainerSummary train(const PreparedRun& setup, RunRecord& record, const TrainingHooks& hooks) {
   const Config& config = setup.config;
@@ -25,13 +39,11 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
       .samples = std::max<std::int64_t>(1, config.training.samples / (proves ? 10 : 1)),
       .execution = options.loss.execution};
   trainer.add_source(std::make_shared<RandomFalsifier>(setup.problem, search));
-  trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
   if (proves) {
-    ProofOptions quick = ProofOptions::fail_fast();
-    if (setup.problem.dimension() > 2)
-      quick.max_boxes = quick.max_after_refuted = config.verification.proof.max_boxes;
-    trainer.add_source(std::make_shared<ProofSource>(quick));
+    trainer.add_source(std::make_shared<ProofSource>(quick_proof(config, setup.problem.dimension())));
     trainer.add_source(std::make_shared<ExecutionFalsifier>(options.loss.execution.model));
+  } else {
+    trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
   }
   trainer.set_rollout_labels([&](const NetworkWeights& f, const Points& starts) {
     return rollout_is_safe(f, setup.problem, starts);

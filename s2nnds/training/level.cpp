@@ -41,21 +41,20 @@ std::optional<double> LevelChoice::largest(const Networks& networks, RandomStrea
     high = std::min(high, B.value(sampler.sample(in_region, random)).minCoeff() - options_.slack);
   if (!(low <= high)) return std::nullopt;
 
-  const Points x = uniform_points(workspace_, options_.samples, random);
-  const Points velocity = f.value(x);
+  const Points all = uniform_points(workspace_, options_.samples, random);
+  const Points values = B.value(all);
+  if (!values.allFinite()) return std::nullopt;  // an overflowing network has no level sets
+  // Others are near to no level that could be chosen.
+  std::vector<Eigen::Index> near;
+  for (Eigen::Index i = 0; i < all.rows(); ++i) {
+    if (std::abs(values(i, 0)) <= options_.reach + 2.0 * options_.level_band) near.push_back(i);
+  }
+  if (near.empty()) return high;
+  const Points x = all(near, Eigen::all), velocity = f.value(x);
   Points value, derivative;
   B.value_and_derivative(x, velocity, value, derivative);
-  if (!value.allFinite()) return std::nullopt;  // an overflowing network has no level sets
-  if (options_.execution.asks_of_barrier()) {
-    std::vector<Eigen::Index> near;
-    for (Eigen::Index i = 0; i < x.rows(); ++i) {
-      if (std::abs(value(i, 0)) <= options_.reach + 1.5 * options_.level_band) near.push_back(i);
-    }
-    const auto all = Eigen::all;
-    if (!near.empty())
-      derivative(near, 0) +=
-          perturbation_work<float>(options_.execution.model, B, f, x(near, all), velocity(near, all));
-  }
+  if (options_.execution.asks_of_barrier())
+    derivative.col(0) += perturbation_work<float>(options_.execution.model, B, f, x, velocity);
   std::vector<double> forbidden;
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     if (!(derivative(i, 0) <= -options_.slack_decrease)) forbidden.push_back(value(i, 0));

@@ -15,7 +15,7 @@ namespace s2nnds {
 // Options of LevelChoice. All but `samples` are in the unit of B.
 struct LevelOptions {
   // Uniform in X, >= 1; two fifths as many each in X0, Xu and the workspace margin.
-  std::int64_t samples = 50000;
+  std::int64_t samples = 25000;
   double level_band = 0.01;        // eps_B > 0
   double reach = 0.1;              // |c| at most, >= 0
   double slack = 0.005;            // B differs from c by at least this on X0 and Xu, >= 0

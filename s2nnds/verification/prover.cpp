@@ -341,9 +341,9 @@ void check_dimensions(const ProofFunctions& functions, const SafetyProblem& prob
 
 ProofOptions ProofOptions::fail_fast() {
   ProofOptions options;
-  options.max_boxes = 200000;
-  options.max_refuted = 1000;
-  options.max_after_refuted = options.max_boxes;
+  options.max_boxes = 60000;
+  options.max_refuted = 200;
+  options.max_after_refuted = 10000;
   options.kept_boxes = 2000;
   return options;
 }
