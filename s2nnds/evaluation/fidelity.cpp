@@ -19,6 +19,7 @@ constexpr Eigen::Index kPlaces = 200;  // of a path
 constexpr double kMostOfLimit = 1.5;
 // Share of the limit beyond which a motion is corrected.
 constexpr double kStrays = 0.8;
+constexpr double kTouches = 1e-3;       // of the unsafe set's level, where a motion stops at it
 constexpr Eigen::Index kCorrected = 5;  // one of so many places is corrected
 // Towards the path that should be taken, per distance to it, 1 / normalised time.
 constexpr double kGain = 1.0;
@@ -119,6 +120,13 @@ struct Reference {
     Deviation found = deviation(path, shown[k]);
     found.limit = limits[k];
     return found;
+  }
+
+  // Whether the path ends at the unsafe set, through which the demonstration leads: only conditions on B can
+  // turn it aside.
+  bool leads_into_unsafe(std::size_t k, const Points& path) const {
+    return problem.unsafe->level(path.bottomRows(1))[0] <= kTouches &&
+           problem.unsafe->level(shown[k].place).minCoeff() <= 0.0;
   }
 
   // What is shown of demonstration k, displaced so that it starts at `start`.
@@ -226,6 +234,7 @@ VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& prob
   const auto strays = [](const Deviation& found) { return !(found.mean <= kStrays * found.limit); };
   const std::vector<Points> shown = paths_from(first_points(demonstrations), f, problem, options);
   for (std::size_t k = 0; k < shown.size(); ++k) {
+    if (reference.leads_into_unsafe(k, shown[k])) continue;
     const Deviation found = reference.from(k, shown[k]);
     if (!found.follows()) strayed = true;
     if (strays(found)) list.add(shown[k], reference.shown[k], velocities_along(demonstrations[k]));

@@ -146,5 +146,16 @@ TEST(Fidelity, CorrectsTheMotionsThatStrayBackToTheirWay) {
   EXPECT_THROW(corrections_of(drifts, problem_with(nothing()), {}, none, 0.1, 0.0), Error);
 }
 
+TEST(Fidelity, DoesNotCorrectMotionsIntoAnObstacleThroughWhichTheyAreLed) {
+  const Vector on_the_way = (Vector(2) << 0.5, 0.0).finished();
+  const auto problem = problem_with(ball(on_the_way, 0.1));
+  const Points none(0, 2);
+  EXPECT_EQ(
+      corrections_of(kStraight, problem, {shown([](double) { return 0.0; })}, none, 0.1, 0.0).position.rows(),
+      0);
+  const auto bow = [](double x) { return 2.0 * x * (1.0 - x); };  // around it
+  EXPECT_GT(corrections_of(kStraight, problem, {shown(bow)}, none, 0.1, 0.0).position.rows(), 10);
+}
+
 }  // namespace
 }  // namespace s2nnds
