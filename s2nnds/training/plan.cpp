@@ -43,9 +43,10 @@ constexpr std::int64_t kRefiningRounds = 4;
 constexpr double kFinetunedImitation = 10.0;  // at first; see careful()
 constexpr double kFinetunedRate = 0.3;        // what is certified must stay nearly as it is
 
-// Fine-tuning ends when the best error of so many rounds that were kept is less than this below the best
-// before them.
-constexpr std::int64_t kPlateau = 4;
+// Fine-tuning ends with an error of this share of the warm start's, which no condition held back, or when the
+// best error of so many rounds that were kept is less than this below the best before them.
+constexpr double kFitted = 0.9;
+constexpr std::int64_t kPlateau = 3;
 constexpr double kPlateauGain = 0.03;
 
 constexpr std::int64_t kRepairs = 2;  // what f moved by little, B alone can follow
@@ -56,8 +57,9 @@ constexpr double kEnlargedRollouts = 1.0, kLeastEnlargedRollouts = 0.1;
 constexpr double kEnlargedMargins = 2.0;  // of the conditions on B, which its growth must not break
 constexpr double kEnlargedRate = 0.5;
 
-// Factors of a weight after a round that ended clean, and after one that did not and was undone.
-constexpr double kAdvance = 1.5, kRetreat = 0.5;
+// Factors of a weight after a round that ended clean, and after one that did not and was undone: where
+// fine-tuning breaks a certificate it takes far less weight, and a round that is undone costs the most.
+constexpr double kAdvance = 1.5, kFinetunedRetreat = 0.25, kEnlargedRetreat = 0.5;
 
 bool labels_rollouts(const TrainerOptions& options) {
   return options.rollout_points > 0 && options.loss.weight[LossTerm::rollout_safety] > 0.0;
@@ -80,11 +82,12 @@ std::int64_t refining_round(const History& history, const TrainerOptions& option
   return std::distance(history.rbegin(), other) % (kRefiningRounds + 1);
 }
 
-// A weight's factor: `first`, less after each round of the stage that was undone, but no less than `least`.
-double careful(const History& history, Stage stage, double first, double least) {
+// A weight's factor: `first`, less by `retreat` after each round of the stage that was undone, but no less than
+// `least`.
+double careful(const History& history, Stage stage, double first, double least, double retreat) {
   double factor = first;
   for (const RoundSummary& row : history) {
-    if (row.stage == stage) factor = std::clamp(factor * (row.clean() ? kAdvance : kRetreat), least, first);
+    if (row.stage == stage) factor = std::clamp(factor * (row.clean() ? kAdvance : retreat), least, first);
   }
   return factor;
 }
@@ -162,7 +165,7 @@ RoundPlan imitation_finetune_plan(const History& history, const TrainerOptions& 
                     .rate = kFinetunedRate,
                     .loss = options.loss};
   plan.loss.weight[LossTerm::imitation] *=
-      careful(history, Stage::imitation_finetune, kFinetunedImitation, 1.0);
+      careful(history, Stage::imitation_finetune, kFinetunedImitation, 1.0, kFinetunedRetreat);
   return plan;
 }
 
@@ -173,6 +176,8 @@ bool is_fitted(const History& history) {
   for (const RoundSummary& row : history) {
     if (row.stage == Stage::imitation_finetune && row.is_kept()) errors.push_back(row.mse);
   }
+  const auto closest = std::min_element(errors.begin(), errors.end());
+  if (closest != errors.end() && *closest < kFitted * history.front().mse) return true;
   if (std::ssize(errors) <= kPlateau) return false;
   for (std::size_t k = 0; k < errors.size(); ++k) {
     double& least = k + kPlateau < errors.size() ? best_before : best;
@@ -191,7 +196,7 @@ RoundPlan enlarge_plan(const History& history, const TrainerOptions& options) {
   PerTerm<double>& weight = plan.loss.weight;
   weight[LossTerm::imitation] = weight[LossTerm::lyapunov] = weight[LossTerm::obstacle_normal] = 0.0;
   weight[LossTerm::rollout_safety] *=
-      careful(history, Stage::enlarge, kEnlargedRollouts, kLeastEnlargedRollouts);
+      careful(history, Stage::enlarge, kEnlargedRollouts, kLeastEnlargedRollouts, kEnlargedRetreat);
   weight[LossTerm::barrier_sets] *= kEnlargedMargins;
   weight[LossTerm::barrier_decrease] *= kEnlargedMargins;
   return plan;
@@ -231,7 +236,7 @@ RoundPlan repair_plan(const RoundPlan& round, const TrainerOptions& options) {
 }
 
 bool is_repairable(const RoundSummary& row) {
-  return !row.clean() && row.counterexamples() < kNearlyClean &&
+  return !row.clean() && (row.counterexamples() < kNearlyClean || row.found_by_sampling == 0) &&
          count_of(row, Condition::lyapunov_positive) + count_of(row, Condition::lyapunov_decrease) == 0;
 }
 

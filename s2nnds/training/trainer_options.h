@@ -90,7 +90,7 @@ struct TrainerOptions {
   bool refine = true;            // a round after one that was nearly clean trains carefully
   bool backtrack = true;         // motions that violate a condition are followed back and corrected
   double max_level_shift = 0.1;  // of B after a round, to a better level without violations, >= 0; 0: none
-  std::int64_t imitation_finetune_rounds = 7;  // rounds after a clean one that fit f more closely, >= 0
+  std::int64_t imitation_finetune_rounds = 10;  // rounds after a clean one that fit f more closely, >= 0
   std::int64_t enlarge_rounds = 13;    // rounds after these that train B alone, for a larger safe set, >= 0
   std::int64_t enlarge_steps = 300;    // Adam steps of such a round, >= 1
   double weight_decay = 0.2;           // decoupled (AdamW), of all weights of f, >= 0

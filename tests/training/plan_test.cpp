@@ -172,13 +172,12 @@ TEST(Plan, RefinesWhatIsNearlyCleanFourTimesInARow) {
 TEST(Plan, FineTunesAfterTheFirstCleanRoundAndIsMoreCarefulAfterFailures) {
   expect_plans({}, {{"at once", {kClean}, kFinetune + ", imitation 10"},
                     {"first clean round", kFirstClean, kFinetune + ", imitation 10"},
-                    {"failed", kFirstClean + 1 * kNotFinetuned, kFinetune + ", imitation 5"},
-                    {"failed twice", kFirstClean + 2 * kNotFinetuned, kFinetune + ", imitation 2.5"},
-                    {"no less than 1", kFirstClean + 5 * kNotFinetuned, kFinetune},
-                    {"dares more again", kFirstClean + 2 * kNotFinetuned + 1 * kFinetuned,
+                    {"failed", kFirstClean + 1 * kNotFinetuned, kFinetune + ", imitation 2.5"},
+                    {"no less than 1", kFirstClean + 2 * kNotFinetuned, kFinetune},
+                    {"dares more again", kFirstClean + 1 * kNotFinetuned + 1 * kFinetuned,
                      kFinetune + ", imitation 3.75"},
                     {"no more than at first", kFirstClean + 2 * kFinetuned, kFinetune + ", imitation 10"},
-                    {"the end of it", kFirstClean + 7 * kFinetuned, kEnlarge + ", obstacle_normal 0"}});
+                    {"the end of it", kFirstClean + 10 * kFinetuned, kEnlarge + ", obstacle_normal 0"}});
 }
 
 TEST(Plan, EndsFineTuningWhereItBringsNothing) {
@@ -188,11 +187,20 @@ TEST(Plan, EndsFineTuningWhereItBringsNothing) {
       history[history.size() - errors.size() + k].mse = errors[k];
     return plan(history, {}).stage;
   };
-  EXPECT_EQ(after({1.0, 1.0, 1.0, 1.0}), Stage::imitation_finetune);
-  EXPECT_EQ(after({1.0, 1.0, 1.0, 1.0, 0.9}), Stage::imitation_finetune);
-  EXPECT_EQ(after({1.0, 1.0, 1.0, 1.0, 0.98}), Stage::enlarge);
-  EXPECT_EQ(after({1.0, 0.9, 0.9, 0.91, 0.9, 0.85}), Stage::imitation_finetune);
-  EXPECT_EQ(after({1.0, 0.5, 0.9, 0.91, 0.9, 0.85}), Stage::enlarge);
+  EXPECT_EQ(after({1.0, 1.0, 1.0}), Stage::imitation_finetune);
+  EXPECT_EQ(after({1.0, 1.0, 1.0, 0.9}), Stage::imitation_finetune);
+  EXPECT_EQ(after({1.0, 1.0, 1.0, 0.98}), Stage::enlarge);
+  EXPECT_EQ(after({1.0, 0.9, 0.91, 0.9, 0.85}), Stage::imitation_finetune);
+  EXPECT_EQ(after({1.0, 0.5, 0.91, 0.9, 0.85}), Stage::enlarge);
+}
+
+TEST(Plan, EndsFineTuningWhereFIsAsCloseAsWithoutConditions) {
+  std::vector<RoundSummary> history = history_of(kFirstClean + 1 * kFinetuned);
+  history.front().mse = 1.0;
+  history.back().mse = 0.91;
+  EXPECT_EQ(plan(history, {}).stage, Stage::imitation_finetune);
+  history.back().mse = 0.89;
+  EXPECT_EQ(plan(history, {}).stage, Stage::enlarge);
 }
 
 TEST(Plan, ThenEnlargesAndEnds) {
