@@ -43,9 +43,10 @@ constexpr std::int64_t kRefiningRounds = 4;
 constexpr double kFinetunedImitation = 10.0;  // at first; see careful()
 constexpr double kFinetunedRate = 0.3;        // what is certified must stay nearly as it is
 
-// Fine-tuning ends with an error of this share of the warm start's, which no condition held back, or when the
-// best error of so many rounds that were kept is less than this below the best before them.
+// Fine-tuning ends with an error of this share of the warm start's, which no condition held back, after so many
+// rounds that were kept, or when the best error of the last few of them is less than this below the best before.
 constexpr double kFitted = 0.9;
+constexpr std::int64_t kFinetunedRounds = 7;
 constexpr std::int64_t kPlateau = 3;
 constexpr double kPlateauGain = 0.03;
 
@@ -178,6 +179,7 @@ bool is_fitted(const History& history) {
   }
   const auto closest = std::min_element(errors.begin(), errors.end());
   if (closest != errors.end() && *closest < kFitted * history.front().mse) return true;
+  if (std::ssize(errors) >= kFinetunedRounds) return true;
   if (std::ssize(errors) <= kPlateau) return false;
   for (std::size_t k = 0; k < errors.size(); ++k) {
     double& least = k + kPlateau < errors.size() ? best_before : best;

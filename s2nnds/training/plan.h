@@ -33,7 +33,8 @@ struct RoundPlan {
 //   demonstrations. Every second start does not push f outwards at the obstacle. A round after one that was
 //   nearly clean refines.
 // - imitation_finetune: all three networks are trained with more weight on the demonstrations, so that f
-//   comes nearer to what it would be without conditions; until four rounds bring it no nearer.
+//   comes nearer to what it would be without conditions; until it is as near, seven rounds were kept, or three
+//   brought it no nearer.
 // - enlarge: B alone is trained, and rollout_safety weighs more, so that the safe set grows.
 // The last two keep only rounds that end clean, and each one that does not makes the next one of its stage
 // more careful. Throws Error if the history is empty.

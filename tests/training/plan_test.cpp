@@ -177,7 +177,10 @@ TEST(Plan, FineTunesAfterTheFirstCleanRoundAndIsMoreCarefulAfterFailures) {
                     {"dares more again", kFirstClean + 1 * kNotFinetuned + 1 * kFinetuned,
                      kFinetune + ", imitation 3.75"},
                     {"no more than at first", kFirstClean + 2 * kFinetuned, kFinetune + ", imitation 10"},
-                    {"the end of it", kFirstClean + 10 * kFinetuned, kEnlarge + ", obstacle_normal 0"}});
+                    {"six were kept", kFirstClean + 6 * kFinetuned, kFinetune + ", imitation 10"},
+                    {"seven were kept", kFirstClean + 7 * kFinetuned, kEnlarge + ", obstacle_normal 0"},
+                    {"nine failed", kFirstClean + 9 * kNotFinetuned, kFinetune},
+                    {"ten failed", kFirstClean + 10 * kNotFinetuned, kEnlarge + ", obstacle_normal 0"}});
 }
 
 TEST(Plan, EndsFineTuningWhereItBringsNothing) {
