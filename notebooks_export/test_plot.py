@@ -88,7 +88,7 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
     centre = np.array([-0.35, -0.45, 0.25, 0.0, 0.0, 0.0, 0.0])[:n]
     with h5py.File(path, "w") as file:
         file.attrs.update(
-            schema_version=3,
+            schema_version=4,
             program_version="0.1.0",
             library_versions="none",
             seed=3,
@@ -442,7 +442,7 @@ class ReaderTest(TemporaryFolder):
 
             return change
 
-        self.bad("schema_version: found 9, expected 3", lambda file: file.attrs.modify("schema_version", 9))
+        self.bad("schema_version: found 9, expected 4", lambda file: file.attrs.modify("schema_version", 9))
         self.bad("/networks: missing", lambda file: file.__delitem__("networks"))
         self.bad("weight_1", replace("networks/V/weight_1", np.zeros((5, 9))))
         self.bad("bias_0.*expected", replace("networks/B/bias_0", np.zeros(3)))

@@ -87,12 +87,14 @@ void log_clearances(const PreparedRun& setup) {
     spdlog::info("clearance of demonstration {}: {}", k, texts[k]);
 }
 
-// Whether the run has at least the guarantee that this method can give.
+// Whether the run has at least the guarantee that this method can give; a proof of poses is one of orientations too.
 int exit_code(Method method, const PreparedRun& setup, const RunRecord& record) {
   const Guarantee wanted = method == Method::sampled        ? Guarantee::sampled
                            : method == Method::conformal    ? Guarantee::conformal
                            : setup.problem.workspace_margin ? Guarantee::invariant
                                                             : Guarantee::proved;
+  const bool turns = method == Method::proof && setup.data.frame.has_orientation();
+  if (turns && !record.certificate.orientation.proved) return kNotVerified;
   return record.certificate.guarantee >= wanted ? kVerified : kNotVerified;
 }
 

@@ -131,6 +131,10 @@ int keys() {
     config.data.source = source;
     table.add(config, fmt::format("data.source = \"{}\"", source));
   }
+  Config pose;
+  pose.data.source = "csv";
+  pose.data.state = "pose";
+  table.add(pose, "data.state = \"pose\"");
   for (const std::string& type : choices_of(all, "problem.unsafe.type")) {
     Config config;
     config.problem.unsafe.type = type;

@@ -64,6 +64,11 @@ std::string data_section(const Scene& scene, bool unit_is_guessed, const std::st
       columns += (columns.empty() ? "" : ", ") + setting("position", toml_text(data.columns.position));
     text += line(fmt::format("columns = {{ {} }}", columns));
   }
+  if (data.state == "pose") {
+    text += line(setting("state", toml_text(data.state)),
+                 "positions with orientations; or position, without them");
+    text += line(setting("quaternion_order", toml_text(scene.data.quaternion_order)));
+  }
   if (data.time_unit != "auto") text += line(setting("time_unit", toml_text(data.time_unit)));
   if (data.rate > 0) text += line(setting("rate", toml_text(data.rate)), "samples per second");
   if (!data.files.empty()) {

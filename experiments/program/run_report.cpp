@@ -103,6 +103,12 @@ Rows error_rows(const RunRecord& record) {
                 in_unit(std::sqrt(e.mse_test), velocity)},
                {fmt::format("motion, DTW [{}]", units.name()), in_unit(e.dtw_train, position),
                 in_unit(e.dtw_test, position)}};
+  if (record.orientation) {
+    rows.push_back(
+        {"orientation, mean [degrees]", number(e.orientation_mean_train), number(e.orientation_mean_test)});
+    rows.push_back({"orientation, largest [degrees]", number(e.orientation_largest_train),
+                    number(e.orientation_largest_test)});
+  }
   if (units.in_data()) return rows;
   rows.push_back({"velocity, MSE (normalised)", number(e.mse_train), number(e.mse_test)});
   rows.push_back({"motion, DTW (normalised)", number(e.dtw_train), number(e.dtw_test)});
@@ -177,6 +183,12 @@ Rows history_rows(const RunRecord& record) {
   return rows;
 }
 
+// What is guaranteed of it.
+std::string orientation(const RunRecord& record) {
+  const std::string text = orientation_sentence(record);
+  return text.empty() ? "" : paragraph(text);
+}
+
 std::string remarks(const RunRecord& record) {
   std::string text;
   for (const std::string& remark : record.remarks) text += paragraph(remark);
@@ -190,7 +202,7 @@ std::string first_screen(const RunRecord& record, const std::string& path) {
   for (char& letter : guarantee) letter = static_cast<char>(std::toupper(letter));
   const RunData& data = record.data;
   return fmt::format("{} (seed {}): guarantee {}\n", record.name, record.seed, guarantee) +
-         paragraph(guarantee_sentence(record)) + remarks(record) + "\n" +
+         paragraph(guarantee_sentence(record)) + orientation(record) + remarks(record) + "\n" +
          row("data", fmt::format("{} demonstrations in {} dimensions: {} train, {} test, {} validation",
                                  data.demonstrations.size(), data.dimension, data.split.train.size(),
                                  data.split.test.size(), data.split.validation.size())) +

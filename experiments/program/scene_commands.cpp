@@ -18,6 +18,7 @@
 #include "s2nnds/core/json_text.h"
 #include "s2nnds/core/python_module.h"
 #include "s2nnds/core/toml_text.h"
+#include "s2nnds/data/orientation.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/runs/scene.h"
 #include "writable.h"
@@ -65,6 +66,14 @@ std::string found_text(const Scene& scene, const std::string& unit_note) {
   text += row("starts", fmt::format("within {} of their mean{}", length(s.start_spread), recorded));
   text += row("ends", fmt::format("within {} of their mean, {:.2g} % of the extent{}", length(s.end_spread),
                                   std::round(1000 * s.end_spread / s.extent) / 10, recorded));
+  if (scene.frame && scene.frame->has_orientation()) {
+    double most = 0;
+    for (const Demonstration& d : scene.data.demonstrations)
+      most = std::max(
+          most, rotation_vectors(scene.frame->goal_orientation, d.orientation).rowwise().norm().maxCoeff());
+    text += row("orientation", fmt::format("quaternions {}, turned by up to {:.0f} degrees from the goal's",
+                                           scene.frame->quaternion_order, degrees(most)));
+  }
   if (scene.frame) {
     text += row("goal", scene.frame->position_text(scene.frame->goal) +
                             (scene.frame->moves_demonstrations()
@@ -283,6 +292,22 @@ int new_config(const NewArguments& arguments, const CommonArguments& common) {
   config.data = data_options(arguments, data_dir);
   config.data.frame_name = frame_name_in(config.data, data_dir);
   Scene scene = look_at(config, data_dir, print_reading);
+  // Orientations beside positions: poses, unless what is told of them cannot be used.
+  std::string not_turned;
+  if (scene.data.has_orientations && scene.data.dimension() <= 3) {
+    Config poses = config;
+    poses.data.state = "pose";
+    try {
+      Scene turned = look_at(poses, data_dir);
+      if (turned.frame || !scene.frame) {
+        scene = std::move(turned);
+      } else {
+        not_turned = turned.refusals.front();
+      }
+    } catch (const Error& error) {
+      not_turned = error.what();
+    }
+  }
   // Where the ends lie apart, there is no one goal: the configuration still trains, and says at what price.
   std::vector<std::string> refusals;
   if (!scene.frame) {
@@ -299,6 +324,7 @@ int new_config(const NewArguments& arguments, const CommonArguments& common) {
     scene.warnings = warnings_of(scene.survey, scene.data.unit);
   }
   scene.warnings.insert(scene.warnings.begin(), refusals.begin(), refusals.end());
+  if (!not_turned.empty()) scene.warnings.push_back("orientations are left out: " + not_turned);
   const std::string figure = sibling(arguments.out, ".png");
   write_atomic_file(arguments.out, new_config_text(scene, !unit_note.empty(), common.data), "configuration");
   fmt::print("{}{}", found_text(scene, unit_note), problems_text(scene));

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Synthetic recordings in the formats of three kinds of robot, for the walk-throughs of README.md in this folder.
+"""Synthetic recordings in the formats of four kinds of robot, for the walk-throughs of README.md in this folder.
 
     python3 make_recordings.py arm FOLDER       # reach_0.csv ...: a 7-joint arm led by hand; joints, position [m], quaternion;
                                                 # bottle.obj and bottle.xyz: a bottle as a mesh and as a scan
+    python3 make_recordings.py pour FOLDER      # pour_0.csv ...: a cup brought back upright; position [m], quaternion (../poses)
+    python3 make_recordings.py joints FOLDER    # reach_0.csv ...: 4 joints [rad], the first one wrapped to (-pi, pi]
     python3 make_recordings.py mobile FOLDER    # drive_0.bag ... (ROS 1), room.pgm and room.yaml: a robot that drives past a shelf
     python3 make_recordings.py lerobot FOLDER   # a LeRobot v3 data set: a planar arm that places a part
 
-The second needs the Python package rosbags, the third pyarrow.
+The kind mobile needs the Python package rosbags, lerobot pyarrow.
 """
 
 import argparse
@@ -70,6 +72,44 @@ def write_bottle(folder, rng, sides=24):
     angles = rng.uniform(0, 2 * np.pi, 1500)
     points = np.column_stack([BOTTLE_AT + radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)]), heights])
     np.savetxt(f"{folder}/bottle.xyz", points + 1e-3 * rng.standard_normal(points.shape), fmt="%.5f")
+
+
+def quaternion(r):
+    """(w, x, y, z) [M, 4] of rotation vectors [M, 3]."""
+    angle = np.linalg.norm(r, axis=1, keepdims=True)
+    return np.hstack([np.cos(angle / 2), 0.5 * np.sinc(angle / (2 * np.pi)) * r])
+
+
+def product(a, b):
+    """Of quaternions (w, x, y, z) [M, 4]."""
+    w = a[:, :1] * b[:, :1] - np.sum(a[:, 1:] * b[:, 1:], axis=1, keepdims=True)
+    return np.hstack([w, a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])])
+
+
+def pour(folder, rng):
+    """Over an arc from one side to the other; the cup is tilted and turned at first and comes to stand as the hand holds it."""
+    for k in range(5):
+        start = [0.40, -0.30, 0.35] + rng.uniform(-0.03, 0.03, 3)
+        times, position = motion(start, [0.55, 0.20, 0.15], [-0.03, 0.0, 0.14], 4.0, 25, rng, noise=1e-4)
+        s = minimum_jerk(times / 4.0)[:, None]
+        tilt = np.array([1.2, 0.0, 0.0]) + rng.uniform(-0.06, 0.06, 3)
+        turn = np.array([0.0, 0.5, 0.8]) + rng.uniform(-0.05, 0.05, 3)
+        r = (1 - s) * tilt + np.sin(np.pi * s) * turn + 2e-3 * rng.standard_normal((len(s), 3))
+        goal = np.tile([0.0, 0.9238795, 0.3826834, 0.0], (len(s), 1))  # hand down, turned by 45 degrees
+        q = product(goal, quaternion(r))[:, [1, 2, 3, 0]]
+        q[len(q) // 3 :] *= -1  # some drivers jump between q and -q
+        table = np.column_stack([times, position, q])
+        np.savetxt(f"{folder}/pour_{k}.csv", table, fmt="%.5f", delimiter=",", header="time,x,y,z,qx,qy,qz,qw", comments="")
+
+
+def joints(folder, rng):
+    for k in range(5):
+        start = [2.9, -0.6, 1.4, -0.5] + rng.uniform(-0.08, 0.08, 4)
+        times, angle = motion(start, [3.7, 0.5, 0.6, 0.4], [0.1, 0.25, 0.2, -0.1], 4.0, 25, rng, noise=3e-4)
+        angle = np.mod(angle + np.pi, 2 * np.pi) - np.pi  # as an encoder tells them
+        names = ["time", *(f"joint_{j + 1}" for j in range(4))]
+        table = np.column_stack([times, angle])
+        np.savetxt(f"{folder}/reach_{k}.csv", table, fmt="%.5f", delimiter=",", header=",".join(names), comments="")
 
 
 def room():
@@ -154,7 +194,7 @@ def lerobot(folder, rng):
 
 
 def main():
-    kinds = {"arm": arm, "mobile": mobile, "lerobot": lerobot}
+    kinds = {"arm": arm, "pour": pour, "joints": joints, "mobile": mobile, "lerobot": lerobot}
     parser = argparse.ArgumentParser(description="Synthetic recordings for the walk-throughs.")
     parser.add_argument("kind", choices=kinds)
     parser.add_argument("folder")

@@ -50,13 +50,16 @@ class Cleaning {
 
   void drop_missing() {
     if (!options_.missing) {
-      if (!r_.time.allFinite() || !r_.position.allFinite() || !r_.velocity.allFinite()) check_recording(r_);
+      if (!r_.time.allFinite() || !r_.position.allFinite() || !r_.velocity.allFinite() ||
+          !r_.orientation.allFinite())
+        check_recording(r_);
       return;
     }
     Samples whole;
     for (Eigen::Index i = 0; i < r_.samples(); ++i) {
       if (std::isfinite(r_.time[i]) && r_.position.row(i).allFinite() &&
-          (r_.velocity.size() == 0 || r_.velocity.row(i).allFinite()))
+          (r_.velocity.size() == 0 || r_.velocity.row(i).allFinite()) &&
+          (r_.orientation.size() == 0 || r_.orientation.row(i).allFinite()))
         whole.push_back(i);
     }
     const auto gone = r_.samples() - static_cast<Eigen::Index>(whole.size());
@@ -235,6 +238,9 @@ class Cleaning {
       merged.position.row(g) = r_.position.middleRows(first, end - first).colwise().mean();
       if (r_.velocity.size() > 0)
         merged.velocity.row(g) = r_.velocity.middleRows(first, end - first).colwise().mean();
+      if (r_.orientation.size() > 0)  // neighbours, and without jumps of sign: their mean is not 0
+        merged.orientation.row(g) =
+            r_.orientation.middleRows(first, end - first).colwise().mean().normalized();
     }
     r_ = std::move(merged);
     say(counted(gone, one, more));
@@ -321,7 +327,9 @@ class Cleaning {
                    r_.time_offset,
                    Vector(count),
                    Points(count, r_.position.cols()),
-                   Points(count, r_.position.cols())};
+                   Points(count, r_.position.cols()),
+                   {},
+                   Points(r_.orientation.size() > 0 ? count : 0, r_.orientation.cols())};
     Eigen::Index piece = 0;
     for (Eigen::Index k = 0; k < count; ++k) {
       const double place =
@@ -343,6 +351,10 @@ class Cleaning {
     even.time[k] = r_.time[i] + u * h;
     even.position.row(k) = (1 - a) * p + a * q + h * (b * v + c * w);
     even.velocity.row(k) = (1 - u) * v + u * w;
+    if (r_.orientation.size() > 0) {
+      even.orientation.row(k) =
+          ((1 - u) * r_.orientation.row(i) + u * r_.orientation.row(i + 1)).normalized();
+    }
   }
 
   Recording r_;

@@ -15,6 +15,7 @@ namespace s2nnds {
 namespace {
 
 using Names = std::vector<std::string>;
+constexpr std::string_view kParts = "xyzw";  // of a quaternion
 
 bool is_one_of(std::string_view text, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), text) != words.end();
@@ -269,6 +270,30 @@ class Finder {
     return {};
   }
 
+  // Those of a quaternion or a rotation matrix that are named, else of a quaternion whose names tell its parts.
+  std::vector<std::size_t> orientation(std::string& order) const {
+    check(wanted_.quaternion.empty() || wanted_.rotation.empty(),
+          "{}: found data.columns.quaternion and data.columns.rotation; expected one of them", where_);
+    const auto check_count = [&](const Names& wanted, std::size_t count, std::string_view key) {
+      check(wanted.size() == count, "{}: found {} columns in data.columns.{}; expected {}", where_,
+            wanted.size(), key, count);
+    };
+    if (!wanted_.rotation.empty()) {
+      check_count(wanted_.rotation, 9, "rotation");
+      return places(wanted_.rotation, "rotation");
+    }
+    if (!wanted_.quaternion.empty()) {
+      check_count(wanted_.quaternion, 4, "quaternion");
+      const std::vector<std::size_t> found = places(wanted_.quaternion, "quaternion");
+      std::string letters;
+      for (const std::size_t place : found)
+        letters += plain(names_[place]).empty() ? ' ' : plain(names_[place]).back();
+      if (letters == "xyzw" || letters == "wxyz") order = letters;
+      return found;
+    }
+    return quaternion_by_letters(order);
+  }
+
   std::optional<std::size_t> index() const {
     if (!wanted_.index.empty()) return place(wanted_.index, "index");
     for (std::size_t i = 0; named_ && i < names_.size(); ++i)
@@ -277,6 +302,25 @@ class Finder {
   }
 
  private:
+  // The one group of names that end in x, y, z and w, in the order of the file.
+  std::vector<std::size_t> quaternion_by_letters(std::string& order) const {
+    std::map<std::string, std::map<char, std::size_t>> groups;
+    for (std::size_t i = 0; named_ && i < names_.size(); ++i) {
+      const std::string name = plain(names_[i]);
+      if (name.size() > 1) groups[name.substr(0, name.size() - 1)].emplace(name.back(), i);
+    }
+    std::vector<std::size_t> found;
+    for (const auto& [stem, parts] : groups) {
+      const bool whole = std::all_of(kParts.begin(), kParts.end(), [&](char c) { return parts.contains(c); });
+      const bool is_one = stem == "q" || stem == "q_" || has_one_of(stem, {"quat", "orient", "rot"});
+      if (!whole || !is_one) continue;
+      if (!found.empty()) return {};  // not clear
+      order = parts.at('w') < parts.at('x') ? "wxyz" : "xyzw";
+      for (const char part : order) found.push_back(parts.at(part));
+    }
+    return found;
+  }
+
   std::vector<std::size_t> places(const Names& wanted, std::string_view key) const {
     std::vector<std::size_t> found;
     for (const std::string& name : wanted) found.push_back(place(name, key));
@@ -307,6 +351,8 @@ void ColumnOptions::visit(FieldVisitor& v) {
   v.field("position", position);
   v.field("velocity", velocity);
   v.field("index", index);
+  v.field("quaternion", quaternion);
+  v.field("rotation", rotation);
 }
 
 Columns find_columns(const std::vector<std::string>& names, bool named, bool timed,
@@ -319,6 +365,7 @@ Columns find_columns(const std::vector<std::string>& names, bool named, bool tim
   check(columns.position.size() >= 2,
         "{}: found {} position column(s); expected at least 2 (data.columns.position)", where,
         columns.position.size());
+  columns.orientation = finder.orientation(columns.quaternion_order);
   columns.velocity = finder.velocity(columns.position.size());
   check(columns.velocity.empty() || columns.velocity.size() == columns.position.size(),
         "{}: found {} velocity column(s) for {} position columns; expected as many (data.columns.velocity)",
@@ -341,6 +388,9 @@ std::string describe(const Columns& columns, const std::vector<std::string>& nam
   std::string text = columns.time ? fmt::format("time '{}', ", name(*columns.time)) : "no time, ";
   text += "position " + list(columns.position);
   text += columns.velocity.empty() ? ", no velocity" : ", velocity " + list(columns.velocity);
+  if (!columns.orientation.empty())
+    text += (columns.orientation.size() == 9 ? ", rotation matrix " : ", quaternion ") +
+            list(columns.orientation);
   if (columns.index) text += fmt::format(", demonstrations by '{}'", name(*columns.index));
   Names rest;
   for (std::size_t i = 0; i < names.size(); ++i)

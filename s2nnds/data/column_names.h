@@ -19,6 +19,11 @@ struct ColumnOptions {
   std::vector<std::string> position;  // of the positions, one a coordinate
   std::vector<std::string> velocity;  // of recorded velocities, as many as positions; "none": differentiate
   std::string index;                  // tells the demonstrations of one file apart: a new value, a new one
+  // Of quaternions, four (data.quaternion_order says in which order), where data.state is "pose"; without them those are
+  // taken whose names end in x, y, z and w (qx, orientation.w, ...). In npz and hdf5 files one name of [M, 4].
+  std::vector<std::string> quaternion;
+  // Of rotation matrices in place of quaternions, nine, row by row. In npz and hdf5 files one name of [M, 9] or [M, 3, 3].
+  std::vector<std::string> rotation;
 
   void visit(FieldVisitor& v);  // names each field once
 };
@@ -29,6 +34,8 @@ struct Columns {
   std::vector<std::size_t> position;  // n
   std::vector<std::size_t> velocity;  // n, or none
   std::optional<std::size_t> index;
+  std::vector<std::size_t> orientation;  // 4 of a quaternion, 9 of a rotation matrix, or none
+  std::string quaternion_order;          // as the names of the 4 say: xyzw, wxyz; "" where they do not
   std::string unit;  // of length as the positions' names say: "x [mm]" -> "mm"; "" when they do not
 };
 

@@ -102,8 +102,9 @@ class TimeColumn {
 // The samples of one demonstration while its lines are read.
 struct Samples {
   TimeColumn time;
-  std::vector<double> position;  // [M n]
-  std::vector<double> velocity;  // [M n] or none
+  std::vector<double> position;     // [M n]
+  std::vector<double> velocity;     // [M n] or none
+  std::vector<double> orientation;  // [M 4] or [M 9] or none
   std::vector<std::int64_t> lines;
   bool after_blank = false;  // whether blank lines part it from the one before
 
@@ -121,6 +122,9 @@ class CsvFile {
         columns_(find_columns(
             header_.names, header_.named, options.rate <= 0, options.columns,
             fmt::format("{}:{}", path, std::max<std::int64_t>(1, header_.first_data_line - 1)))) {
+    has_orientations_ = !columns_.orientation.empty();
+    if (options.state != "pose") columns_.orientation.clear();
+    check(options.state != "pose" || !columns_.orientation.empty(), "{}: {}", path, kNoOrientation);
     read_lines(progress);
   }
 
@@ -130,6 +134,8 @@ class CsvFile {
     return made;
   }
   std::string unit() const { return columns_.unit; }
+  bool has_orientations() const { return has_orientations_; }
+  std::string quaternion_order() const { return columns_.quaternion_order; }
 
   std::string report() const {
     std::string text = fmt::format("columns of {}: {}", stem(path_), describe(columns_, header_.names));
@@ -193,6 +199,7 @@ class CsvFile {
     }
     for (const std::size_t place : columns_.position) part.position.push_back(number(place));
     for (const std::size_t place : columns_.velocity) part.velocity.push_back(number(place));
+    for (const std::size_t place : columns_.orientation) part.orientation.push_back(number(place));
     part.lines.push_back(line);
   }
 
@@ -214,6 +221,7 @@ class CsvFile {
     to.time.append(from.time);
     to.position.insert(to.position.end(), from.position.begin(), from.position.end());
     to.velocity.insert(to.velocity.end(), from.velocity.begin(), from.velocity.end());
+    to.orientation.insert(to.orientation.end(), from.orientation.begin(), from.orientation.end());
     to.lines.insert(to.lines.end(), from.lines.begin(), from.lines.end());
   }
 
@@ -224,6 +232,8 @@ class CsvFile {
     part.time.store(made);
     made.position = Eigen::Map<const Points>(part.position.data(), rows, n);
     if (!columns_.velocity.empty()) made.velocity = Eigen::Map<const Points>(part.velocity.data(), rows, n);
+    const auto parts = static_cast<Eigen::Index>(columns_.orientation.size());
+    if (parts > 0) made.orientation = Eigen::Map<const Points>(part.orientation.data(), rows, parts);
     return made;
   }
 
@@ -233,6 +243,7 @@ class CsvFile {
   TextHeader header_;
   CellSplitter splitter_;
   Columns columns_;
+  bool has_orientations_ = false;
   std::string_view index_;
   std::vector<std::string_view> indices_;
   std::vector<Samples> parts_;
@@ -254,6 +265,10 @@ RecordingSet read_csv(const std::vector<std::string>& paths, const TableOptions&
       set.recordings.push_back(std::move(recording));
     }
     if (&path == &paths.front()) set.unit = file.unit();
+    if (&path == &paths.front()) set.quaternion_order = file.quaternion_order();
+    set.has_orientations = set.has_orientations || file.has_orientations();
+    check(set.quaternion_order == file.quaternion_order(), "{}: found quaternions {}; expected {} as in {}",
+          path, file.quaternion_order(), set.quaternion_order, paths.front());
     if (&path == &paths.front()) set.report.push_back(file.report());
     if (file.parts() > 1)
       set.report.push_back(fmt::format("{}: {} demonstrations in one file", stem(path), file.parts()));

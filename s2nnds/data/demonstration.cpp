@@ -43,6 +43,12 @@ void check_demonstration(const Demonstration& d, const std::string& where) {
         where);
   check(d.velocity.allFinite(), "{}: found a velocity that is NaN or infinite; expected finite numbers",
         where);
+  check(d.orientation.size() == 0 || (d.orientation.rows() == d.samples() && d.orientation.cols() == 4),
+        "{}: found orientations [{}, {}]; expected [{}, 4]", where, d.orientation.rows(),
+        d.orientation.cols(), d.samples());
+  check(d.orientation.size() == 0 ||
+            ((d.orientation.rowwise().norm().array() - 1.0).abs() <= 1e-6).all(),  // false for NaN
+        "{}: found an orientation that is no unit quaternion", where);
   for (Eigen::Index i = 1; i < d.samples(); ++i) {
     check(d.time[i] > d.time[i - 1], "{}: found time {} at sample {} after {}; expected increasing times",
           where, d.time[i], i, d.time[i - 1]);
@@ -57,6 +63,9 @@ void check_demonstrations(const DemonstrationSet& set, const std::string& source
     check(d.dimension() == set.dimension(),
           "{}: demonstration {}: found dimension {}; expected {} as the first", source, k, d.dimension(),
           set.dimension());
+    check((d.orientation.size() > 0) == (set.demonstrations.front().orientation.size() > 0),
+          "{}: demonstration {}: found orientations in some demonstrations; expected them in all or none",
+          source, k);
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,9 +12,12 @@ namespace s2nnds {
 // One recorded motion of M samples. As read: seconds and the file's unit of length and frame (LASA: mm;
 // ds-opt: m). Normalised: see frame.h.
 struct Demonstration {
-  Vector time;      // [M] strictly increasing
-  Points position;  // [M, n]
-  Points velocity;  // [M, n], unit of position per unit of time
+  Vector time;              // [M] strictly increasing
+  Points position;          // [M, n]
+  Points velocity;          // [M, n], unit of position per unit of time
+  Points orientation = {};  // [M, 4] unit quaternions (orientation.h); [0, 0] without
+  std::vector<std::int64_t> lines =
+      {};  // [M] of the text file that it was read from; empty where there are none
 
   Eigen::Index samples() const { return position.rows(); }    // M
   Eigen::Index dimension() const { return position.cols(); }  // n
@@ -26,6 +30,8 @@ struct DemonstrationSet {
   std::vector<Demonstration> demonstrations;  // in the file's order
   // What was chosen, recognised and cleaned while reading, a line each; of demonstration 3: "3: ...".
   std::vector<std::string> report = {};
+  bool has_orientations = false;      // whether the files hold orientations, read or not
+  std::string quaternion_order = {};  // of the files' quaternions: xyzw or wxyz; "" where none were read
   // [K] standard deviation of a coordinate about smooth motion, in `unit`; empty where it was not measured.
   std::vector<double> noise = {};
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/orientation.h"
 
 namespace s2nnds {
 namespace {
@@ -67,6 +68,41 @@ void check_ends(Frame frame, const DemonstrationSet& as_read, bool named) {
       100.0 * largest_end_share);
 }
 
+// Where a sample stands in its file, as far as that is known.
+std::string sample_text(const Demonstration& d, Eigen::Index i) {
+  const std::string line =
+      d.lines.empty() ? "" : fmt::format(" (line {})", d.lines[static_cast<std::size_t>(i)]);
+  return fmt::format("sample {}{}", i, line);
+}
+
+// The mean of the last orientations, which all must be near to, and from which none may be turned by 180 degrees.
+Vector goal_orientation(const std::vector<Demonstration>& demonstrations) {
+  Points ends(static_cast<Eigen::Index>(demonstrations.size()), 4);
+  for (Eigen::Index k = 0; k < ends.rows(); ++k)
+    ends.row(k) = demonstrations[static_cast<std::size_t>(k)].orientation.bottomRows(1);
+  const Eigen::Vector4d goal = mean_orientation(ends);
+  constexpr double most = 175.0 * M_PI / 180.0;
+  for (std::size_t k = 0; k < demonstrations.size(); ++k) {
+    const Demonstration& d = demonstrations[k];
+    const double end = angle_between(goal, ends.row(static_cast<Eigen::Index>(k)).transpose());
+    check(end <= largest_end_turn,
+          "orientation: demonstration {} ends turned by {:.0f} degrees from the mean of all ends; expected "
+          "at most "
+          "{:.0f}: choose those that end alike (data.use), or name the order of its quaternions "
+          "(data.quaternion_order)",
+          k, degrees(end), degrees(largest_end_turn));
+    for (Eigen::Index i = 0; i < d.samples(); ++i) {
+      const double turn = angle_between(goal, d.orientation.row(i).transpose());
+      check(turn < most,
+            "orientation: demonstration {} is turned by {:.0f} degrees from the goal's orientation at {}; "
+            "expected "
+            "less than {:.0f}, where rotation vectors do not jump",
+            k, degrees(turn), sample_text(d, i), degrees(most));
+    }
+  }
+  return goal;
+}
+
 }  // namespace
 
 std::vector<Demonstration> Frame::normalize(const std::vector<Demonstration>& as_read) const {
@@ -123,6 +159,11 @@ void Frame::check(std::size_t count, Eigen::Index dimension, const std::string& 
                 dimension);
   s2nnds::check(goal.size() == dimension, "{}: found a goal of {} coordinates, expected {}", where,
                 goal.size(), dimension);
+  s2nnds::check(goal_orientation.size() == 0 ||
+                    (goal_orientation.size() == 4 && std::abs(goal_orientation.norm() - 1.0) <= 1e-9),
+                "{}: found a goal orientation that is no unit quaternion", where);
+  s2nnds::check(goal_orientation.size() == 0 || quaternion_order == "xyzw" || quaternion_order == "wxyz",
+                "{}: found the quaternion order '{}', expected xyzw or wxyz", where, quaternion_order);
   s2nnds::check(goal.allFinite() && goals.allFinite(),
                 "{}: found a goal that is NaN or infinite, expected finite numbers", where);
 }
@@ -137,6 +178,10 @@ Frame find_frame(const DemonstrationSet& as_read, const std::string& normalizati
   if (goal.word != "each") {
     check_ends(frame, as_read, goal.word.empty());
     frame.goals.rowwise() = frame.goal.transpose();
+  }
+  if (as_read.demonstrations.front().orientation.size() > 0) {
+    frame.goal_orientation = goal_orientation(as_read.demonstrations);
+    frame.quaternion_order = as_read.quaternion_order;
   }
   const std::vector<Demonstration> from_goal = frame.normalize(as_read.demonstrations);  // scales of 1
   frame.position_scale = scale_of(normalization, stack_positions(from_goal));

@@ -23,8 +23,11 @@ struct Frame {
   // [K, n] in `unit`: what is subtracted from each demonstration. All rows are the goal, unless each
   // demonstration is moved to end there.
   Points goals;
-  double position_scale = 1.0;  // `unit` per normalised length
-  double velocity_scale = 1.0;  // `unit` per second and normalised velocity
+  // [4] unit quaternion (orientation.h): the mean of the demonstrations' last orientations; empty without orientations.
+  Vector goal_orientation = {};
+  std::string quaternion_order = {};  // of the user's quaternions: xyzw or wxyz; "" without orientations
+  double position_scale = 1.0;        // `unit` per normalised length
+  double velocity_scale = 1.0;        // `unit` per second and normalised velocity
 
   // Seconds per unit of normalised time.
   double time_scale() const { return position_scale / velocity_scale; }
@@ -39,6 +42,8 @@ struct Frame {
   // lies.
   enum class Rounding { nearest, up, down };
   std::string position_text(const Vector& position, Rounding rounding = Rounding::nearest) const;
+
+  bool has_orientation() const { return goal_orientation.size() > 0; }  // whether what moves are poses
 
   // How far the end of each demonstration as read lies from the goal, in `unit`: [K].
   Vector end_distances(const std::vector<Demonstration>& as_read) const;
@@ -57,10 +62,12 @@ struct Frame {
 // The scales are taken over all demonstrations: max_abs takes the largest absolute coordinate (seen from the
 // goal), max_norm the largest Euclidean norm. Throws Error when there is no motion (a scale of zero), and
 // when an end lies farther from a goal that moves no demonstration than `largest_end_share` of the motion's
-// extent, the longest side of the box around all positions.
+// extent, the longest side of the box around all positions; when a demonstration's last orientation is turned from
+// their mean by more than largest_end_turn, or another one by almost 180 degrees.
 Frame find_frame(const DemonstrationSet& as_read, const std::string& normalization,
                  const WordOrNumbers& goal = {"mean"});
 
 inline constexpr double largest_end_share = 0.1;  // see find_frame
+inline constexpr double largest_end_turn = 0.35;  // rad, 20 degrees
 
 }  // namespace s2nnds

@@ -19,6 +19,7 @@ namespace {
 constexpr std::string_view kOurGroup = "/demonstrations";
 constexpr std::string_view kRobomimicGroup = "/data";
 constexpr std::string_view kRobomimicPosition = "obs/robot0_eef_pos";
+constexpr std::string_view kRobomimicQuaternion = "obs/robot0_eef_quat";  // xyzw
 
 // Numbers of rank 1 or 2 as [rows, columns]; rank 1 counts as one column.
 Points read_matrix(const Hdf5Reader& file, const std::string& item) {
@@ -60,14 +61,16 @@ struct Layout {
   std::string group;
   std::string time;  // "": counted by `rate`
   std::vector<std::string> position;
-  std::vector<std::string> velocity;  // those that are there are read
+  std::vector<std::string> velocity;     // those that are there are read
+  std::vector<std::string> orientation;  // of quaternions or rotation matrices
   double rate = 0;
   bool robomimic = false;
 };
 
 Layout find_layout(const Hdf5Reader& file, const TableOptions& options) {
   const ColumnOptions& wanted = options.columns;
-  Layout layout{wanted.index, wanted.time, wanted.position, wanted.velocity, options.rate};
+  Layout layout{wanted.index, wanted.time, wanted.position, wanted.velocity, {}, options.rate};
+  layout.orientation = wanted.rotation.empty() ? wanted.quaternion : wanted.rotation;
   if (layout.group.empty()) {
     const bool ours = file.exists(std::string(kOurGroup)) || !file.exists(std::string(kRobomimicGroup));
     layout.group = ours ? kOurGroup : kRobomimicGroup;
@@ -77,11 +80,24 @@ Layout find_layout(const Hdf5Reader& file, const TableOptions& options) {
   layout.robomimic = layout.group == kRobomimicGroup && wanted.time.empty();
   if (layout.position.empty())
     layout.position = {layout.robomimic ? std::string(kRobomimicPosition) : "position"};
+  if (layout.orientation.empty())
+    layout.orientation = {layout.robomimic ? std::string(kRobomimicQuaternion) : "orientation"};
   if (layout.velocity.empty() && wanted.position.empty()) layout.velocity = {"velocity"};
   if (layout.velocity == std::vector<std::string>{"none"}) layout.velocity.clear();
   if (layout.robomimic && layout.rate <= 0) layout.rate = control_frequency(file);
   if (layout.rate <= 0 && layout.time.empty()) layout.time = "time";
   return layout;
+}
+
+// Rotation matrices [M, 3, 3] are rows of 9.
+Points read_orientations(const Hdf5Reader& file, const std::string& group, const Layout& layout) {
+  if (layout.orientation.size() == 1) {
+    const std::string item = group + "/" + layout.orientation.front();
+    const Array array = file.read<Array>(item);
+    if (array.shape.size() == 3 && array.shape[1] == 3 && array.shape[2] == 3)
+      return Eigen::Map<const Points>(array.values.data(), array.shape[0], 9);
+  }
+  return read_matrices(file, group, layout.orientation);
 }
 
 Recording read_recording(const Hdf5Reader& file, const std::string& group, const Layout& layout) {
@@ -118,7 +134,12 @@ RecordingSet read_hdf5(const std::string& path, const TableOptions& options,
   check(!names.empty(), "{}: found no demonstrations in {}; expected at least 1", path, layout.group);
   Eigen::Index since_tick = 0;
   for (const std::string& name : names) {
-    set.recordings.push_back(read_recording(file, layout.group + "/" + name, layout));
+    const std::string group = layout.group + "/" + name;
+    set.recordings.push_back(read_recording(file, group, layout));
+    const bool has_orientation = file.exists(group + "/" + layout.orientation.front());
+    check(options.state != "pose" || has_orientation, "{}: {}: {}", path, group, kNoOrientation);
+    set.has_orientations = set.has_orientations || has_orientation;
+    if (options.state == "pose") set.recordings.back().orientation = read_orientations(file, group, layout);
     since_tick += set.recordings.back().samples();
     if (!progress || since_tick < samples_a_tick) continue;
     since_tick = 0;

@@ -36,7 +36,9 @@ void read_table(const std::string& path, const Array& table, const TableOptions&
         "{}: found shape [{}]; expected [M, columns] or [K, M, columns]", path, fmt::join(table.shape, ", "));
   std::vector<std::string> names;
   for (Eigen::Index i = 0; i < table.shape.back(); ++i) names.push_back(std::to_string(i));
-  const Columns columns = find_columns(names, false, options.rate <= 0, options.columns, path);
+  Columns columns = find_columns(names, false, options.rate <= 0, options.columns, path);
+  if (options.state != "pose") columns.orientation.clear();
+  check(options.state != "pose" || !columns.orientation.empty(), "{}: {}", path, kNoOrientation);
   if (set.recordings.empty())
     set.report.push_back(fmt::format("columns of {}: {}", stem(path), describe(columns, names)));
   const auto as_places = [](const std::vector<std::size_t>& numbers) {
@@ -56,6 +58,7 @@ void read_table(const std::string& path, const Array& table, const TableOptions&
       r.time = counted(all.rows(), options.rate);
     }
     if (!columns.velocity.empty()) r.velocity = all(Eigen::all, as_places(columns.velocity));
+    if (!columns.orientation.empty()) r.orientation = all(Eigen::all, as_places(columns.orientation));
     set.recordings.push_back(std::move(r));
   }
 }
@@ -92,6 +95,31 @@ void check_shape(const Array& array, const Array& position, std::string_view wha
         fmt::join(array.shape, ", "), fmt::join(position.shape, ", "));
 }
 
+// Quaternions [M, 4] or [K, M, 4], or rotation matrices [M, 9], [M, 3, 3] or [K, M, 3, 3], as rows of 4 or 9 like the
+// positions; null where nothing of the kind is there.
+std::optional<Array> orientations_of(const NamedArrays& named, const Array& position,
+                                     const ColumnOptions& wanted, const std::string& path) {
+  check(wanted.quaternion.size() + wanted.rotation.size() <= 1,
+        "{}: found {} arrays of orientations; expected one (data.columns.quaternion or rotation)", path,
+        wanted.quaternion.size() + wanted.rotation.size());
+  const Array* const found = !wanted.rotation.empty() ? &named.wanted(wanted.rotation, "rotation")
+                             : !wanted.quaternion.empty()
+                                 ? &named.wanted(wanted.quaternion, "quaternion")
+                                 : named.any({"quaternion", "orientation", "rotation"});
+  if (found == nullptr) return std::nullopt;
+  Array rows = *found;
+  if (rows.shape.size() >= 3 && rows.shape.back() == 3 && rows.shape[rows.shape.size() - 2] == 3) {
+    rows.shape.pop_back();
+    rows.shape.back() = 9;
+  }
+  std::vector<Eigen::Index> expected = position.shape;
+  expected.back() = rows.shape.back();
+  check(rows.shape == expected && (expected.back() == 4 || expected.back() == 9),
+        "{}: found orientations of shape [{}] for positions [{}]; expected one a sample, 4 numbers or 3 x 3",
+        path, fmt::join(found->shape, ", "), fmt::join(position.shape, ", "));
+  return rows;
+}
+
 void read_arrays(const std::string& path, const Arrays& arrays, const TableOptions& options,
                  RecordingSet& set) {
   const ColumnOptions& wanted = options.columns;
@@ -120,6 +148,9 @@ void read_arrays(const std::string& path, const Arrays& arrays, const TableOptio
                           : wanted.velocity[0] == "none" ? nullptr
                                                          : &named.wanted(wanted.velocity, "velocity");
   if (velocity != nullptr) check_shape(*velocity, position, "velocities", path);
+  const std::optional<Array> orientation = orientations_of(named, position, wanted, path);
+  check(options.state != "pose" || orientation, "{}: {}", path, kNoOrientation);
+  set.has_orientations = orientation.has_value();
   for (Eigen::Index k = 0; k < parts(position); ++k) {
     Recording r{rank == 3 ? fmt::format("{}: [{}]", path, k) : path,
                 time != nullptr ? "time" : "",
@@ -135,6 +166,7 @@ void read_arrays(const std::string& path, const Arrays& arrays, const TableOptio
                                         samples);
     }
     if (velocity != nullptr) r.velocity = part(*velocity, k);
+    if (options.state == "pose") r.orientation = part(*orientation, k);
     set.recordings.push_back(std::move(r));
   }
 }

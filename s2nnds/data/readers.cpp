@@ -11,6 +11,8 @@
 #include "s2nnds/core/printable.h"
 #include "s2nnds/data/file_patterns.h"
 #include "s2nnds/data/handwriting.h"
+#include "s2nnds/data/joint_angles.h"
+#include "s2nnds/data/orientation_reading.h"
 #include "s2nnds/data/recording.h"
 #include "s2nnds/data/split.h"
 #include "s2nnds/data/time_unit.h"
@@ -87,7 +89,12 @@ RecordingSet read_source(const DataOptions& options, const std::string& data_dir
 DemonstrationSet clean_all(const RecordingSet& recordings, const DataOptions& options,
                            const ReadingProgress& progress) {
   Eigen::Index since_tick = 0;
-  DemonstrationSet set{recordings.name, recordings.unit, {}, recordings.report};
+  DemonstrationSet set{recordings.name,
+                       recordings.unit,
+                       {},
+                       recordings.report,
+                       recordings.has_orientations,
+                       recordings.quaternion_order};
   for (std::size_t k = 0; k < recordings.recordings.size(); ++k) {
     CleanDemonstration one =
         clean(recordings.recordings[k], options.cleaning, options.stride, recordings.unit);
@@ -104,6 +111,25 @@ DemonstrationSet clean_all(const RecordingSet& recordings, const DataOptions& op
   return set;
 }
 
+// What the state asks for beyond positions.
+void read_state(RecordingSet& recordings, const DataOptions& options) {
+  if (!is_raw(options.source)) return;
+  if (options.state == "joints") unwrap_joints(recordings);
+  if (options.state != "pose") {
+    recordings.quaternion_order.clear();
+    return;
+  }
+  check(options.source != "mat",
+        "data.state: found pose with source mat; expected csv, npy or hdf5, which can have orientations");
+  std::string& order = recordings.quaternion_order;
+  check(order.empty() || options.quaternion_order == "auto" || order == options.quaternion_order,
+        "data.quaternion_order: found {}, but the columns are named {}; expected one order",
+        options.quaternion_order, order);
+  if (options.quaternion_order != "auto") order = options.quaternion_order;
+  if (order.empty()) order = "xyzw";
+  make_unit_orientations(recordings, order);
+}
+
 }  // namespace
 
 void DataOptions::visit(FieldVisitor& v) {
@@ -117,7 +143,9 @@ void DataOptions::visit(FieldVisitor& v) {
   }
   if (source == "csv") v.field("delimiter", delimiter, {"auto", "comma", "semicolon", "tab", "blanks"});
   if (is_raw(source)) {
+    v.field("state", state, {"position", "pose", "joints"});
     v.group("columns", columns);
+    if (state == "pose") v.field("quaternion_order", quaternion_order, {"auto", "xyzw", "wxyz"});
     v.field("rate", rate, at_least(0));
     v.field("time_unit", time_unit, {"auto", "s", "ms", "us", "ns"});
     v.field("unit", unit);
@@ -138,6 +166,7 @@ DemonstrationSet read_demonstrations(const DataOptions& options, const std::stri
   validate(options);
   RecordingSet recordings = read_source(options, data_dir, progress);
   if (!options.use.empty()) recordings.recordings = select(recordings.recordings, options.use);
+  read_state(recordings, options);
   bring_to_seconds(recordings, options.time_unit);
   const bool cleaned =
       options.cleaning.steps == "auto" ? is_raw(options.source) : options.cleaning.steps == "on";

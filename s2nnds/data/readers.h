@@ -21,7 +21,15 @@ struct TableOptions {
   ColumnOptions columns;           // which of them are what
   std::string delimiter = "auto";  // csv: between cells: auto (as found), comma, semicolon, tab, blanks
   double rate = 0;                 // samples per second of files without times, >= 0; 0: they have times
+  // What moves: "position", "pose" (positions with an orientation, which columns.quaternion or columns.rotation name)
+  // or "joints" (angles in rad or deg, unwrapped: no step is more than a quarter of a turn, and all demonstrations end
+  // within half a turn of the first one's end).
+  std::string state = "position";
 };
+
+// For readers of files without orientations, where state is "pose".
+inline constexpr const char* kNoOrientation =
+    "found no orientations; expected data.columns.quaternion or data.columns.rotation to name them";
 
 // Which demonstrations to read, and what to do with them.
 struct DataOptions : TableOptions {
@@ -31,6 +39,8 @@ struct DataOptions : TableOptions {
   // csv, npy, mat, hdf5: files, folders or patterns (d*.csv), relative to the data directory; in a csv file, a new value
   // of data.columns.index and blank lines begin a new demonstration.
   std::vector<std::string> files;
+  // pose: of the numbers in files, "xyzw" or "wxyz"; auto: as the columns' names say, else xyzw. Policies take this order.
+  std::string quaternion_order = "auto";
   std::string time_unit = "auto";  // of times in the files: s, ms, us, ns; auto: recognised, and reported
   std::int64_t stride = 1;         // >= 1: keep every stride-th sample (and the last one)
   std::string unit;  // csv, npy, mat, hdf5: of length in the files: m, mm, cm, rad, deg or another text

@@ -21,14 +21,17 @@ std::vector<Eigen::Index> kept_samples(Eigen::Index samples, std::int64_t stride
 void check_finite(const Recording& r, Eigen::Index i) {
   const bool time = std::isfinite(r.time[i]);
   const bool position = r.position.row(i).allFinite();
-  if (time && position && (r.velocity.size() == 0 || r.velocity.row(i).allFinite())) return;
+  const bool orientation = r.orientation.size() == 0 || r.orientation.row(i).allFinite();
+  const bool velocity = r.velocity.size() == 0 || r.velocity.row(i).allFinite();
+  if (time && position && orientation && velocity) return;
   fail(
       "{}: found a {} that is NaN, infinite or missing; expected finite numbers (data.cleaning.missing drops "
       "such samples)",
       r.place(i),
-      !time       ? "time"
-      : !position ? "position"
-                  : "velocity");
+      !time          ? "time"
+      : !position    ? "position"
+      : !orientation ? "orientation"
+                     : "velocity");
 }
 
 }  // namespace
@@ -41,6 +44,7 @@ std::string Recording::place(Eigen::Index i) const {
 Recording Recording::at(const std::vector<Eigen::Index>& samples) const {
   Recording part{where, time_column, time_offset, time(samples), position(samples, Eigen::all), {}};
   if (velocity.size() > 0) part.velocity = velocity(samples, Eigen::all);
+  if (orientation.size() > 0) part.orientation = orientation(samples, Eigen::all);
   if (lines.empty()) return part;
   for (const Eigen::Index i : samples) part.lines.push_back(lines[static_cast<std::size_t>(i)]);
   return part;
@@ -55,6 +59,9 @@ void check_recording(const Recording& r) {
   check(r.velocity.size() == 0 || (r.velocity.rows() == r.samples() && r.velocity.cols() == n),
         "{}: found velocities [{}, {}]; expected [{}, {}] as the positions", r.where, r.velocity.rows(),
         r.velocity.cols(), r.samples(), n);
+  check(r.orientation.size() == 0 || (r.orientation.rows() == r.samples() && r.orientation.cols() == 4),
+        "{}: found orientations [{}, {}]; expected [{}, 4]", r.where, r.orientation.rows(),
+        r.orientation.cols(), r.samples());
   for (Eigen::Index i = 0; i < r.samples(); ++i) {
     check_finite(r, i);
     if (i == 0) continue;
@@ -76,11 +83,14 @@ Demonstration make_demonstration(const Recording& r, std::int64_t stride) {
   } else {
     thin.velocity = differentiate(thin.time, thin.position);
   }
+  if (r.orientation.size() > 0) thin.orientation = r.orientation(kept, Eigen::all);
+  if (r.lines.empty()) return thin;
+  for (const Eigen::Index i : kept) thin.lines.push_back(r.lines[static_cast<std::size_t>(i)]);
   return thin;
 }
 
 DemonstrationSet make_demonstrations(const RecordingSet& set, std::int64_t stride) {
-  DemonstrationSet made{set.name, set.unit, {}, set.report};
+  DemonstrationSet made{set.name, set.unit, {}, set.report, set.has_orientations, set.quaternion_order};
   for (const Recording& recording : set.recordings)
     made.demonstrations.push_back(make_demonstration(recording, stride));
   return made;

@@ -18,6 +18,8 @@ struct Recording {
   Points position;          // [M, n]; NaN where the file has none
   Points velocity;          // [M, n], NaN where missing; [0, 0] when none was recorded
   std::vector<std::int64_t> lines = {};  // [M] of a text file, counted from 1; empty for other files
+  // [M, 4] or [M, 9] as files have them, then unit quaternions (orientation_reading.h); [0, 0] when none were read
+  Points orientation = {};
 
   Eigen::Index samples() const { return position.rows(); }  // M
   // Where sample i stands, for messages: "d0.csv:17", "d.h5: /demonstrations/3: sample 17".
@@ -34,6 +36,8 @@ struct RecordingSet {
   // Seconds per unit of time where the format says so; 0: to be recognised (time_unit.h).
   double time_unit = 0;
   std::vector<std::string> report = {};  // what was chosen while reading, a line each
+  bool has_orientations = false;         // whether the files hold orientations, read or not
+  std::string quaternion_order = {};  // of quaternions, where names of columns tell it: xyzw, wxyz; "" else
 };
 
 // Throws Error naming the place unless the recording has as many times as positions, at least 2 samples in at

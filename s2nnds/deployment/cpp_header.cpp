@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/orientation.h"
 #include "s2nnds/deployment/policy_kernels.h"
 #include "s2nnds/networks/dense_kernels.h"
 
@@ -103,6 +104,44 @@ class NetworkSource {
           is_narrow(k) ? out : padded(out), name_, k, k, to);
     }
     put(text_, "}}\n\n");
+  }
+
+  // NAME_along(x, dx, y, dy): the layers' output less N(0), and its derivative along dx.
+  void write_derivative() {
+    const std::size_t last = stack_.layers.size() - 1;
+    put(text_,
+        "// y [{0}] of the normalised position x [{1}], and dy its derivative along dx\n"
+        "inline void {2}_along(const double* x, const double* dx, double* y, double* dy) noexcept {{\n",
+        stack_.output_dimension(), stack_.input_dimension(), name_);
+    std::string from = "x", change = "dx";
+    for (std::size_t k = 0; k <= last; ++k) {
+      const Eigen::Index in = stack_.layers[k].weight.cols(), out = padded(stack_.layers[k].weight.rows());
+      put(text_, "  alignas(64) double z{0}[{1}], a{0}[{1}], slope{0}[{1}], d{0}[{1}];\n", k, out);
+      write_layer(k, from, fmt::format("z{}", k), false);
+      put(text_, "  activate_with_slopes<{0}, {1}>(z{2}, a{2}, slope{2});\n",
+          functor(stack_.layers[k].activation), out, k);
+      put(text_, "  alignas(64) static constexpr double {}_none_{}[{}] = {{}};\n", name_, k, out);
+      if (is_narrow(k)) {
+        put(text_,
+            "  dense_narrow<double, {0}>({1}_weight_{2}, {1}_none_{2}, {3}, d{2}, "
+            "std::make_integer_sequence<int, {4}>());\n",
+            padded(in), name_, k, change, stack_.layers[k].weight.rows());
+      } else {
+        put(text_, "  dense<double, {0}, {1}>({2}_weight_{3}, {2}_none_{3}, {4}, d{3});\n", in, out, name_, k,
+            change);
+      }
+      put(text_, "  for (int i = 0; i < {0}; ++i) d{1}[i] *= slope{1}[i];\n", out, k);
+      from = fmt::format("a{}", k);
+      change = fmt::format("d{}", k);
+    }
+    put(text_,
+        "  static const {0}_at_origin origin;\n"
+        "  for (int i = 0; i < {1}; ++i) {{\n"
+        "    y[i] = a{2}[i] - origin.y[i];\n"
+        "    dy[i] = d{2}[i];\n"
+        "  }}\n"
+        "}}\n\n",
+        name_, stack_.output_dimension(), last);
   }
 
  private:
@@ -399,6 +438,52 @@ inline double shield(const double* x, const double* v_wanted, double* v) noexcep
 
 )";
 
+// {0}: places of w, x, y, z in the user's order; {1}: the inverse of the goal's orientation (w, x, y, z); {2}: its rotation
+// matrix, row by row.
+constexpr const char* kOrientation =
+    R"(// As above, and omega [3], in rad/s, the angular velocity in the frame of the demonstrations (q' = 1/2 (0, omega) q) of the
+// orientation q [4], in the order `quaternion_order`; q is made a unit quaternion, and q and -q are one orientation. With
+// r = log(q_goal^-1 q), e = r - psi and J the left Jacobian of the exponential, omega = R(q_goal) J(r) (dpsi/dt - rate e):
+// e falls as exp(-orientation_rate t). NaN in gives NaN out, and so does q = 0.
+inline void velocity(const double* x, const double* q, double* v, double* omega) noexcept {{
+  velocity(x, v);
+  constexpr double inverse_goal[4] = {{{1}}}, to_data[9] = {{{2}}};
+  const detail::Normalised<double> at(x);
+  double dz[dimension], target[3], change[3];
+  for (int i = 0; i < dimension; ++i) dz[i] = v[i] / position_scale;
+  detail::psi_along(at.z, dz, target, change);
+  const double part[4] = {{{0}}};
+  const double norm =
+      std::sqrt(part[0] * part[0] + part[1] * part[1] + part[2] * part[2] + part[3] * part[3]);
+  const double w = part[0] / norm, a = part[1] / norm, b = part[2] / norm, c = part[3] / norm;
+  const double* g = inverse_goal;
+  const double real = g[0] * w - g[1] * a - g[2] * b - g[3] * c;
+  const double imaginary[3] = {{g[0] * a + g[1] * w + g[2] * c - g[3] * b, g[0] * b - g[1] * c + g[2] * w + g[3] * a,
+                               g[0] * c + g[1] * b - g[2] * a + g[3] * w}};
+  const double sine = std::sqrt(imaginary[0] * imaginary[0] + imaginary[1] * imaginary[1] + imaginary[2] * imaginary[2]);
+  const double cosine = std::fabs(real);
+  const double share = (sine < 1e-8 ? 2 / cosine : 2 * std::atan2(sine, cosine) / sine) * (real < 0 ? -1 : 1);
+  double r[3], rate[3];
+  for (int i = 0; i < 3; ++i) {{
+    r[i] = share * imaginary[i];
+    rate[i] = change[i] - orientation_rate * (r[i] - target[i]);
+  }}
+  const double square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], angle = std::sqrt(square);
+  const bool small = angle < 1e-4;
+  const double first = small ? 0.5 - square / 24 : (1 - std::cos(angle)) / square;
+  const double second = small ? 1.0 / 6 - square / 120 : (angle - std::sin(angle)) / (square * angle);
+  const double once[3] = {{r[1] * rate[2] - r[2] * rate[1], r[2] * rate[0] - r[0] * rate[2],
+                          r[0] * rate[1] - r[1] * rate[0]}};
+  const double twice[3] = {{r[1] * once[2] - r[2] * once[1], r[2] * once[0] - r[0] * once[2],
+                           r[0] * once[1] - r[1] * once[0]}};
+  for (int i = 0; i < 3; ++i) {{
+    omega[i] = 0;
+    for (int j = 0; j < 3; ++j) omega[i] += to_data[3 * i + j] * (rate[j] + first * once[j] + second * twice[j]);
+  }}
+}}
+
+)";
+
 constexpr const char* kMotion = R"(// The motion as a type, for templates (passive_controller.h).
 struct Motion {{
   static constexpr int dimension = {0}::dimension;
@@ -410,6 +495,22 @@ struct Motion {{
 
 }}  // namespace {0}
 )";
+
+// velocity(x, q, v, omega).
+void write_orientation(Text& text, const PolicyInfo& info) {
+  const std::vector<int> places = places_in(info.quaternion_order);
+  Eigen::Vector4d goal;
+  std::vector<std::string> parts, inverted, matrix;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto place = static_cast<std::size_t>(places[i]);
+    goal[static_cast<Eigen::Index>(i)] = info.goal_orientation[place];
+    parts.push_back(fmt::format("q[{}]", place));
+  }
+  for (const double part : inverse(goal)) inverted.push_back(literal(part, false));
+  const Points rotation = rotation_matrix(goal);
+  for (Eigen::Index i = 0; i < rotation.size(); ++i) matrix.push_back(literal(rotation.data()[i], false));
+  put(text, kOrientation, fmt::join(parts, ", "), fmt::join(inverted, ", "), fmt::join(matrix, ", "));
+}
 
 }  // namespace
 
@@ -439,9 +540,15 @@ std::string cpp_header(const Policy& policy, HeaderPrecision precision, const st
   NetworkSource(text, "f", policy.networks.f, single).write_all();
   NetworkSource(text, "V", policy.networks.V, false).write_all();
   NetworkSource(text, "B", policy.networks.B, false).write_all();
+  if (policy.orientation) {
+    NetworkSource psi(text, "psi", policy.orientation->psi, false);
+    psi.write_all();
+    psi.write_derivative();
+  }
   const bool shielded = policy.info.shielded == 1;
   if (shielded) NetworkSource(text, "B", policy.networks.B, false).write_gradient();
   put(text, kInterface, single ? "float" : "double");
+  if (policy.orientation) write_orientation(text, policy.info);
   if (shielded) put(text, "{}", kShield);
   put(text, kMotion, space);
   return fmt::to_string(text);

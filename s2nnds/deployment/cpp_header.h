@@ -26,6 +26,8 @@ std::string policy_namespace(const std::string& path);
 //   and frame, and v [n] in that unit per second: f, V, B and {B <= 0} within the workspace. NaN
 //   in gives NaN (and not safe) out. V and B are computed in double whatever the precision, so that `safe`
 //   decides as the certified barrier does but for rounding in double (some 1e-14 of B);
+// - `velocity(x, q, v, omega)` where poses move: v as above, and omega [3] the angular velocity in rad/s in the frame of
+//   the data (q' = 1/2 (0, omega) q) at the orientation q [4] in the order `quaternion_order`, in double;
 // - `shield(x, v_wanted, v)`, if PolicyInfo::shielded: any other velocity made safe, by verification/executed_motion.h;
 // - `Motion`, the type that PassiveController (passive_controller.h) takes;
 // - constants: `precision` and every field of PolicyInfo.

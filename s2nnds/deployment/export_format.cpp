@@ -13,16 +13,16 @@ namespace s2nnds {
 
 const std::vector<ExportFormat>& export_formats() {
   static const std::vector<ExportFormat> formats = {
-      {"header", ".h", "C++ header", "a C++17 compiler", false,
+      {"header", ".h", "C++ header", "a C++17 compiler", true, false,
        [](const Policy& policy, const ExportOptions& options, const std::string& path) {
          return cpp_header(policy, options.precision, policy_namespace(path));
        }},
-      {"onnx", ".onnx", "ONNX model", "an ONNX runtime", false,
+      {"onnx", ".onnx", "ONNX model", "an ONNX runtime", true, false,
        [](const Policy& policy, const ExportOptions&, const std::string&) { return onnx_model(policy); }},
       {"pt2", ".pt2", "torch.export program",
-       "PyTorch 2.6 or newer; the Python of S2NNDS_PYTHON writes it with that", false,
+       "PyTorch 2.6 or newer; the Python of S2NNDS_PYTHON writes it with that", false, false,
        [](const Policy& policy, const ExportOptions&, const std::string&) { return pt2_program(policy); }},
-      {"torchscript", ".pt", "TorchScript module", "PyTorch and LibTorch; deprecated by PyTorch", true,
+      {"torchscript", ".pt", "TorchScript module", "PyTorch and LibTorch; deprecated by PyTorch", false, true,
        [](const Policy& policy, const ExportOptions&, const std::string&) {
          return torchscript_module(policy);
        }},
@@ -42,6 +42,8 @@ const ExportFormat& export_format_from(std::string_view name) {
 void export_policy(const Policy& policy, const ExportFormat& format, const ExportOptions& options,
                    const std::string& path) {
   check_policy(policy);
+  check(format.turns || !policy.orientation,
+        "format: found {} and a policy of poses, expected header or onnx", format.name);
   write_atomic_file(path, format.contents(policy, options, path), "the policy");
 }
 

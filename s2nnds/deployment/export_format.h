@@ -21,6 +21,7 @@ struct ExportFormat {
   std::string_view ending;  // of its files
   std::string_view title;   // in messages
   std::string_view needs;   // to use the file
+  bool turns = false;       // whether it can hold a policy of poses
   bool libtorch = false;    // whether LibTorch writes it: without (runs/libtorch.h), `contents` throws Error
   // The file's bytes, of a policy that check_policy() holds for; `path` is where they will lie.
   std::string (*contents)(const Policy& policy, const ExportOptions& options, const std::string& path);

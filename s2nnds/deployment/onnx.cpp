@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/orientation.h"
 
 namespace s2nnds {
 namespace {
@@ -26,6 +27,24 @@ class GraphBuilder {
     return tensor.name();
   }
   std::string constant(double value) { return constant({static_cast<float>(value)}, {}); }
+  std::string constant_double(const Points& values) {
+    onnx::TensorProto& tensor = *graph_.add_initializer();
+    tensor.set_data_type(onnx::TensorProto::DOUBLE);
+    tensor.add_dims(values.rows());
+    tensor.add_dims(values.cols());
+    for (Eigen::Index i = 0; i < values.size(); ++i) tensor.add_double_data(values.data()[i]);
+    tensor.set_name(next_name());
+    return tensor.name();
+  }
+  // These columns of [N, m], in this order.
+  std::string columns(const std::string& rows, const std::vector<std::int64_t>& which) {
+    onnx::TensorProto& tensor = *graph_.add_initializer();
+    tensor.set_data_type(onnx::TensorProto::INT64);
+    tensor.add_dims(std::ssize(which));
+    for (const std::int64_t index : which) tensor.add_int64_data(index);
+    tensor.set_name(next_name());
+    return node("Gather", {rows, tensor.name()}, {{"axis", 1}});
+  }
   std::string constant_double(const std::vector<double>& values) {
     onnx::TensorProto& tensor = *graph_.add_initializer();
     tensor.set_data_type(onnx::TensorProto::DOUBLE);
@@ -133,6 +152,109 @@ void describe(onnx::ValueInfoProto& value, const std::string& name, std::int64_t
   if (columns > 0) type.mutable_shape()->add_dim()->set_dim_value(columns);
 }
 
+// The angular velocity of a policy of poses, as the C++ header computes it (cpp_header.cpp): [N, 3] from the normalised
+// positions `z` and their velocities `dz` (per second), both double.
+class AngularVelocity {
+ public:
+  AngularVelocity(GraphBuilder& graph, const Policy& policy) : graph_(graph), policy_(policy) {}
+
+  void add(const std::string& z, const std::string& dz, const std::string& output) {
+    const std::string r = rotation_vector();
+    const auto [target, change] = psi_along(z, dz);
+    const std::string rate = sub(change, mul(number(policy_.info.orientation_rate), sub(r, target)));
+    const std::string square = graph_.node("ReduceSum", {mul(r, r), graph_.axis_one()}, {{"keepdims", 1}});
+    const std::string angle = graph_.node("Sqrt", {square});
+    const std::string small = graph_.node("Less", {angle, number(1e-4)});
+    const std::string sine = graph_.node("Sin", {mul(number(0.5), angle)});
+    // 1 - cos a = 2 sin^2 (a / 2)
+    const std::string first = graph_.node("Where", {small, sub(number(0.5), div(square, number(24))),
+                                                    div(mul(number(2), mul(sine, sine)), square)});
+    const std::string second =
+        graph_.node("Where", {small, sub(number(1.0 / 6), div(square, number(120))),
+                              div(sub(angle, graph_.node("Sin", {angle})), mul(square, angle))});
+    const std::string once = cross(r, rate), twice = cross(r, once);
+    const std::string turned = add(rate, add(mul(first, once), mul(second, twice)));
+    const Points to_data = rotation_matrix(goal()).transpose();
+    graph_.node("MatMul", {turned, graph_.constant_double(to_data)}, {}, output);
+  }
+
+ private:
+  std::string number(double value) { return graph_.constant_double(std::vector<double>{value}); }
+  std::string add(const std::string& a, const std::string& b) { return graph_.node("Add", {a, b}); }
+  std::string sub(const std::string& a, const std::string& b) { return graph_.node("Sub", {a, b}); }
+  std::string mul(const std::string& a, const std::string& b) { return graph_.node("Mul", {a, b}); }
+  std::string div(const std::string& a, const std::string& b) { return graph_.node("Div", {a, b}); }
+  std::string cross(const std::string& a, const std::string& b) {
+    return sub(mul(graph_.columns(a, {1, 2, 0}), graph_.columns(b, {2, 0, 1})),
+               mul(graph_.columns(a, {2, 0, 1}), graph_.columns(b, {1, 2, 0})));
+  }
+
+  Eigen::Vector4d goal() const {  // (w, x, y, z)
+    Eigen::Vector4d q;
+    for (std::size_t i = 0; i < 4; ++i)
+      q[static_cast<Eigen::Index>(i)] =
+          policy_.info
+              .goal_orientation[static_cast<std::size_t>(places_in(policy_.info.quaternion_order)[i])];
+    return q;
+  }
+
+  // log(q_goal^-1 q): the product is linear in q.
+  std::string rotation_vector() {
+    const std::vector<int> places = places_in(policy_.info.quaternion_order);
+    Points map(4, 4);  // row: a number of the user's q; column: w, x, y, z of the product
+    for (std::size_t i = 0; i < 4; ++i)
+      map.row(places[i]) =
+          product(inverse(goal()), Eigen::Vector4d::Unit(static_cast<Eigen::Index>(i))).transpose();
+    const std::string square =
+        graph_.node("ReduceSum", {mul("orientation", "orientation"), graph_.axis_one()}, {{"keepdims", 1}});
+    const std::string unit = div("orientation", graph_.node("Sqrt", {square}));
+    const std::string q = graph_.node("MatMul", {unit, graph_.constant_double(map)});
+    const std::string real = graph_.columns(q, {0}), imaginary = graph_.columns(q, {1, 2, 3});
+    const std::string sine = graph_.node(
+        "Sqrt",
+        {graph_.node("ReduceSum", {mul(imaginary, imaginary), graph_.axis_one()}, {{"keepdims", 1}})});
+    const std::string cosine = graph_.node("Abs", {real});
+    // Runtimes know it in float alone. Its error is corrected by one step of Newton's method in double: with the angle's
+    // sine and cosine, a + (s cos a - c sin a).
+    const std::string ratio = cast(div(sine, cosine), onnx::TensorProto::FLOAT);
+    const std::string rough = cast(graph_.node("Atan", {ratio}), onnx::TensorProto::DOUBLE);
+    const std::string sine_rough = graph_.node("Sin", {rough});
+    const std::string cosine_rough = graph_.node("Sin", {sub(number(M_PI / 2), rough)});
+    const std::string half = add(rough, sub(mul(sine, cosine_rough), mul(cosine, sine_rough)));
+    const std::string share = graph_.node("Where", {graph_.node("Less", {sine, number(1e-8)}),
+                                                    div(number(2), cosine), div(mul(number(2), half), sine)});
+    const std::string sign =
+        graph_.node("Where", {graph_.node("Less", {real, number(0)}), number(-1), number(1)});
+    return mul(mul(sign, share), imaginary);
+  }
+
+  // psi and its derivative along dz, whose hidden layers are tanh.
+  std::pair<std::string, std::string> psi_along(const std::string& z, const std::string& dz) {
+    const NetworkWeights& psi = policy_.orientation->psi;
+    std::string a = z, d = dz;
+    for (const Layer& layer : psi.layers) {
+      const std::string weight = graph_.constant_double(Points(layer.weight.transpose()));
+      a = graph_.node("MatMul", {a, weight});
+      d = graph_.node("MatMul", {d, weight});
+      if (layer.bias.size() > 0)
+        a = add(a, graph_.constant_double(std::vector<double>(layer.bias.begin(), layer.bias.end())));
+      if (layer.activation == Activation::identity) continue;
+      check(layer.activation == Activation::tanh, "policy: found psi with the activation {}, expected tanh",
+            to_string(layer.activation));
+      a = graph_.node("Tanh", {a});
+      d = mul(d, sub(number(1), mul(a, a)));
+    }
+    const Points origin = layers_at_origin(psi);
+    return {sub(a, graph_.constant_double(origin)), d};
+  }
+  std::string cast(const std::string& value, onnx::TensorProto::DataType type) {
+    return graph_.node("Cast", {value}, {{"to", type}});
+  }
+
+  GraphBuilder& graph_;
+  const Policy& policy_;
+};
+
 std::string metadata(const std::string& value) { return value; }
 std::string metadata(std::int64_t value) { return fmt::format("{}", value); }
 std::string metadata(double value) { return fmt::format("{}", value); }
@@ -149,10 +271,12 @@ std::string onnx_model(const Policy& policy) {
   onnx::GraphProto& graph = *model.mutable_graph();
   graph.set_name("policy");
   describe(*graph.add_input(), "position", info.dimension);
+  if (policy.orientation) describe(*graph.add_input(), "orientation", 4);
   describe(*graph.add_output(), "velocity", info.dimension);
   describe(*graph.add_output(), "lyapunov", 0);
   describe(*graph.add_output(), "barrier", 0);
   describe(*graph.add_output(), "safe", 0, onnx::TensorProto::BOOL);
+  if (policy.orientation) describe(*graph.add_output(), "angular_velocity", 3);
   GraphBuilder builder(graph);
   // Positions come and results go in double, the networks compute in float: a position far from the origin keeps
   // its digits until the goal is subtracted.
@@ -161,10 +285,16 @@ std::string onnx_model(const Policy& policy) {
     return builder.node("Cast", {value}, {{"to", type}}, output);
   };
   const std::string from_goal = builder.node("Sub", {"position", builder.constant_double(info.goal)});
-  const std::string scaled = builder.node("Div", {from_goal, builder.constant_double({info.position_scale})});
+  const std::string scaled =
+      builder.node("Div", {from_goal, builder.constant_double(std::vector<double>{info.position_scale})});
   const std::string z = cast(scaled, onnx::TensorProto::FLOAT);
   const std::string f = cast(add_network(builder, policy.networks.f, z), onnx::TensorProto::DOUBLE);
-  builder.node("Mul", {f, builder.constant_double({info.velocity_scale})}, {}, "velocity");
+  builder.node("Mul", {f, builder.constant_double(std::vector<double>{info.velocity_scale})}, {}, "velocity");
+  if (policy.orientation) {
+    const std::string dz =
+        builder.node("Div", {"velocity", builder.constant_double(std::vector<double>{info.position_scale})});
+    AngularVelocity(builder, policy).add(scaled, dz, "angular_velocity");
+  }
   for (const auto& [stack, name] :
        {std::pair(&policy.networks.V, "lyapunov"), std::pair(&policy.networks.B, "barrier")}) {
     std::string y = add_network(builder, *stack, z);
@@ -174,15 +304,16 @@ std::string onnx_model(const Policy& policy) {
   // In the workspace (all coordinates are: the least of 0 and 1 is 1), and B <= 0 by more than float may have lost.
   const auto middle = info.workspace.begin() + info.dimension;
   const std::string inside = builder.node(
-      "And",
-      {builder.node("GreaterOrEqual",
-                    {"position", builder.constant_double({info.workspace.begin(), middle})}),
-       builder.node("LessOrEqual", {"position", builder.constant_double({middle, info.workspace.end()})})});
+      "And", {builder.node("GreaterOrEqual", {"position", builder.constant_double(std::vector<double>{
+                                                              info.workspace.begin(), middle})}),
+              builder.node("LessOrEqual", {"position", builder.constant_double(std::vector<double>{
+                                                           middle, info.workspace.end()})})});
   const std::string least = builder.least_of_row(cast(inside, onnx::TensorProto::DOUBLE));
   builder.node(
       "And",
       {cast(least, onnx::TensorProto::BOOL),
-       builder.node("LessOrEqual", {"barrier", builder.constant_double({-info.barrier_float32_error})})},
+       builder.node("LessOrEqual",
+                    {"barrier", builder.constant_double(std::vector<double>{-info.barrier_float32_error})})},
       {}, "safe");
   info.visit([&](const char* name, const auto& value, const char*) {
     onnx::StringStringEntryProto& property = *model.add_metadata_props();

@@ -43,6 +43,15 @@ Policy policy_of(const RunRecord& record) {
   info.float32_error = frame.velocity_scale * float32_error(record.networks.f, workspace);
   info.barrier_float32_error = float32_error(record.networks.B, workspace);
   info.barrier_float64_error = float64_error(record.networks.B, workspace);
+  if (record.orientation) {
+    policy.orientation = record.orientation;
+    info.quaternion_order = frame.quaternion_order;
+    info.goal_orientation = in_order(frame.goal_orientation, frame.quaternion_order);
+    info.orientation_rate = record.orientation->rate;
+    info.orientation_error = record.orientation->initial_error;
+    info.orientation_proved =
+        certificate.guarantee == Guarantee::invariant && certificate.orientation.proved ? 1 : 0;
+  }
   const ExecutionCertificate& executed = certificate.execution;
   info.execution = executed.model;
   if (certificate.guarantee != Guarantee::invariant || !executed.invariant) return policy;
@@ -85,6 +94,13 @@ void check_policy(const Policy& policy) {
   check(info.barrier_float32_error >= 0.0 && info.barrier_float64_error >= 0.0,
         "policy: found the bounds {} and {} on the barrier's rounding, expected ones >= 0",
         info.barrier_float32_error, info.barrier_float64_error);
+  check(policy.orientation.has_value() == !info.quaternion_order.empty(),
+        "policy: found an orientation law without the order of quaternions, or the order alone");
+  if (policy.orientation) {
+    policy.orientation->check(n);
+    check(info.goal_orientation.size() == 4, "policy: found a goal orientation of {} numbers, expected 4",
+          info.goal_orientation.size());
+  }
   const std::string found = weight_hash(policy.networks);
   check(found == info.weight_hash, "policy: found weights {:.16}..., but the certificate speaks of {:.16}...",
         found, info.weight_hash);
@@ -101,6 +117,20 @@ void check_fits_float(const NetworkWeights& network) {
     for (const double weight : layer.bias) check_weight(weight);
   }
   check_weight(network.quadratic);
+}
+
+std::vector<int> places_in(const std::string& order) {
+  check(order == "xyzw" || order == "wxyz", "policy: found the quaternion order '{}', expected xyzw or wxyz",
+        order);
+  return order == "xyzw" ? std::vector<int>{3, 0, 1, 2} : std::vector<int>{0, 1, 2, 3};
+}
+
+std::vector<double> in_order(const Eigen::Vector4d& q, const std::string& order) {
+  std::vector<double> numbers(4);
+  const std::vector<int> places = places_in(order);
+  for (std::size_t i = 0; i < 4; ++i)
+    numbers[static_cast<std::size_t>(places[i])] = q[static_cast<Eigen::Index>(i)];
+  return numbers;
 }
 
 Points layers_at_origin(const NetworkWeights& network) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,13 @@ struct PolicyInfo {
   std::int64_t shielded = 0;                    // 1: a shield keeps any velocity safe
   double shield_band = 0.0, shield_cone = 0.0;  // of the barrier, and per normalised length
 
+  // Where poses move; none of it is visited otherwise. Orientations are in the user's order.
+  std::string quaternion_order = {};          // xyzw or wxyz; "" where nothing turns
+  std::vector<double> goal_orientation = {};  // [4] in that order
+  double orientation_rate = 0.0;              // k, 1/s
+  std::int64_t orientation_proved = 0;  // 1: it converges from every safe start with an error up to this
+  double orientation_error = 0.0;       // rad
+
   // Calls visit(name, value, meaning) for every field, so that no exporter lists them again; a value is a
   // std::string, std::int64_t, double or std::vector<double>.
   template <typename Visit>
@@ -78,13 +86,21 @@ struct PolicyInfo {
     visit("shielded", shielded, "1: a shield is certified");
     visit("shield_band", shield_band, "it acts where the barrier is above minus this");
     visit("shield_cone", shield_cone, "bound on the change of the barrier's gradient, normalised");
+    if (quaternion_order.empty()) return;
+    visit("quaternion_order", quaternion_order, "of all orientations");
+    visit("goal_orientation", goal_orientation, "where orientations end, in that order");
+    visit("orientation_rate", orientation_rate, "1/s: an orientation error falls as exp(-rate t)");
+    visit("orientation_proved", orientation_proved,
+          "1: from safe starts with an orientation_error up to this");
+    visit("orientation_error", orientation_error, "rad: it converges to goal_orientation");
   }
 };
 
 // What is exported.
 struct Policy {
-  Networks networks;  // f, V and B, in normalised coordinates
-  PolicyInfo info;    // units, scales and the guarantee
+  Networks networks;                               // f, V and B, in normalised coordinates
+  PolicyInfo info;                                 // units, scales and the guarantee
+  std::optional<OrientationLaw> orientation = {};  // of poses
 };
 
 // The policy of a stored run, with the bounds on rounding of its weights.
@@ -96,6 +112,10 @@ void check_policy(const Policy& policy);
 
 // Throws Error unless every weight is within float's range.
 void check_fits_float(const NetworkWeights& network);
+
+// The four numbers (w, x, y, z) in the order of the user's quaternions, and where each of them stands there.
+std::vector<double> in_order(const Eigen::Vector4d& q, const std::string& order);
+std::vector<int> places_in(const std::string& order);
 
 // N(0) of the layers alone, [1, m]: what the heads zero_at_origin and squared_norm subtract.
 Points layers_at_origin(const NetworkWeights& network);

@@ -127,6 +127,11 @@ Workspace make_workspace(const ProblemOptions& options, const UserCoordinates& u
   return {whole, contained};
 }
 
+// Of a sample that was read from a text file.
+std::string line_of(const Demonstration& d, Eigen::Index row) {
+  return d.lines.empty() ? "" : fmt::format(" (line {} of its file)", d.lines[static_cast<std::size_t>(row)]);
+}
+
 void check_demonstrations_inside(const Box& workspace, const std::vector<Demonstration>& demonstrations,
                                  const UserCoordinates& user) {
   for (std::size_t k = 0; k < demonstrations.size(); ++k) {
@@ -138,9 +143,10 @@ void check_demonstrations_inside(const Box& workspace, const std::vector<Demonst
       const Vector x = position.row(row).transpose();
       if (workspace.contains(x)) continue;
       fail(
-          "problem: demonstration {} is at {} at sample {}, outside of the workspace: expected it within {} "
+          "problem: demonstration {} is at {} at sample {}{}, outside of the workspace: expected it within "
+          "{} "
           "(problem.workspace, problem.bounds)",
-          k, user.text(x), row, user.text(workspace));
+          k, user.text(x), row, line_of(demonstrations[k], row), user.text(workspace));
     }
   }
 }

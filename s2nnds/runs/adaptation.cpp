@@ -63,6 +63,7 @@ class Adapter {
   AdaptationResult run() {
     RunRecord record = fresh();
     record.networks = old_.networks;
+    record.orientation = old_.orientation;
     if (old_.checkpoint) record.checkpoint = old_.checkpoint, record.history = old_.history;
     prove(setup_, record);
     if (is_certified(setup_, record) && follows(record)) return finish(std::move(record), Adaptation::held);

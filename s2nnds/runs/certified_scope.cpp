@@ -52,17 +52,33 @@ struct ScopeProblem {
   }
 };
 
+struct ScopeOrientation {
+  std::string psi, quaternion_order;
+  std::vector<double> goal;
+  double rate = 0.0, initial_error = 0.0;
+
+  void visit(FieldVisitor& v) {
+    v.field("psi", psi);
+    v.field("quaternion_order", quaternion_order);
+    v.field("goal", goal, any_number());
+    v.field("rate", rate, at_least(0.0));
+    v.field("initial_error", initial_error, at_least(0.0));
+  }
+};
+
 struct Scope {
   std::string weights;
   ScopeFrame frame;
   ScopeProblem problem;
   ExecutionOptions execution;
+  ScopeOrientation orientation;
 
   void visit(FieldVisitor& v) {
     v.field("weights", weights);
     v.group("frame", frame);
     v.group("problem", problem);
     if (!execution.is_ideal() || execution.damping > 0.0) v.group("execution", execution);
+    if (!orientation.quaternion_order.empty()) v.group("orientation", orientation);
   }
 };
 
@@ -81,7 +97,7 @@ bool same_words(const RunProblem& a, const RunProblem& b) {
 }
 
 bool is_of_the_run(const PreparedRun& setup, const RunRecord& record) {
-  return record.certificate.scope == certified_scope(setup, record.networks) &&
+  return record.certificate.scope == certified_scope(setup, record) &&
          same_words(record.problem, new_record(setup, "").problem);
 }
 
@@ -91,11 +107,11 @@ bool claims_anything(const Certificate& certificate) {
 
 }  // namespace
 
-std::string certified_scope(const PreparedRun& setup, const Networks& networks) {
+std::string certified_scope(const PreparedRun& setup, const RunRecord& record) {
   const SafetyProblem& problem = setup.problem;
   const Frame& frame = setup.data.frame;
   Scope scope;
-  scope.weights = weight_hash(networks);
+  scope.weights = weight_hash(record.networks);
   scope.frame = {frame.unit, frame.name, numbers(frame.goal), frame.position_scale, frame.velocity_scale};
   scope.problem = {.frame = setup.config.problem.frame,
                    .workspace_lower = numbers(problem.workspace.lower),
@@ -108,11 +124,20 @@ std::string certified_scope(const PreparedRun& setup, const Networks& networks) 
                    .files = {}};
   for (const auto& [name, bytes] : setup.files.all()) scope.problem.files.push_back({name, sha256(bytes)});
   scope.execution = setup.config.execution;
+  if (frame.has_orientation()) {
+    scope.orientation.quaternion_order = frame.quaternion_order;
+    scope.orientation.goal = numbers(frame.goal_orientation);
+    if (record.orientation) {
+      scope.orientation.psi = record.orientation->hash();
+      scope.orientation.rate = record.orientation->rate;
+      scope.orientation.initial_error = record.orientation->initial_error;
+    }
+  }
   return to_toml(scope);
 }
 
 void seal_certificate(const PreparedRun& setup, RunRecord& record) {
-  record.certificate.scope = certified_scope(setup, record.networks);
+  record.certificate.scope = certified_scope(setup, record);
   record.certificate.seal = seal_of(record.certificate);
 }
 

@@ -9,8 +9,9 @@ namespace s2nnds {
 
 // All that a certificate depends on, as TOML: the weights' hash, the frame, the workspace and the part of it that holds
 // the safe set (normalised), the band, both sets with nothing left to find out, the hashes of the files that they
-// name, and the execution model, if there is one. Two runs with the same text have the same conditions.
-std::string certified_scope(const PreparedRun& setup, const Networks& networks);
+// name, the execution model, if there is one, and where poses move the orientation law: psi's hash, its
+// rate, the largest initial error and the goal's orientation. The networks and the law are the record's. Two runs with the same text have the same conditions.
+std::string certified_scope(const PreparedRun& setup, const RunRecord& record);
 
 // Binds the certificate to the run: its scope, and a seal over both and all its figures.
 void seal_certificate(const PreparedRun& setup, RunRecord& record);

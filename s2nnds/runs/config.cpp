@@ -36,6 +36,7 @@ void Config::visit(FieldVisitor& v) {
   v.group("problem", problem);
   v.group("networks", networks);
   v.group("training", training);
+  if (data.state == "pose") v.group("orientation", orientation);
   v.group("verification", verification);
   v.group("execution", execution);
   v.group("evaluation", evaluation);

@@ -10,6 +10,7 @@
 #include "s2nnds/networks/network_options.h"
 #include "s2nnds/problem/safety_problem.h"
 #include "s2nnds/runs/execution_options.h"
+#include "s2nnds/training/orientation_fit.h"
 #include "s2nnds/training/trainer_options.h"
 #include "s2nnds/verification/conformal.h"
 #include "s2nnds/verification/prover.h"
@@ -53,6 +54,7 @@ struct Config {
   ProblemOptions problem;            // workspace X, initial set X0 and unsafe set Xu
   NetworkOptions networks;           // shapes and activations of f, V and B
   TrainerOptions training;           // losses, rates, rounds and stages
+  OrientationOptions orientation;    // how orientations follow positions
   VerificationOptions verification;  // how the trained networks are checked
   ExecutionOptions execution;        // how the robot executes the motion, for the proof to cover
   EvaluationOptions evaluation;      // how the trained motion is measured

@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "s2nnds/core/stopwatch.h"
+#include "s2nnds/data/orientation.h"
+#include "s2nnds/evaluation/orientation_metrics.h"
 #include "s2nnds/evaluation/safe_area.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
 #include "s2nnds/problem/grid_level.h"
@@ -28,18 +30,38 @@ Grid make_grid(const PreparedRun& setup, const Networks& networks) {
   return grid;
 }
 
-std::vector<StoredRollout> make_rollouts(const PreparedRun& setup, const NetworkWeights& f) {
+std::vector<StoredRollout> make_rollouts(const PreparedRun& setup, const RunRecord& record) {
+  const NetworkWeights& f = record.networks.f;
+  const Frame& frame = setup.data.frame;
   std::vector<StoredRollout> rollouts;
   const auto add = [&](const std::vector<Demonstration>& demonstrations, const std::string& kind) {
     for (const Demonstration& d : demonstrations) {
       const Rollout rollout =
           roll_out(f, setup.problem, d.position.row(0).transpose(), setup.config.evaluation.rollout);
       rollouts.push_back({kind, std::string(to_string(rollout.stop)), rollout.time, rollout.position});
+      if (!record.orientation) continue;
+      const Eigen::Vector4d start = d.orientation.row(0).transpose();
+      rollouts.back().orientation = record.orientation->follow(
+          frame.goal_orientation, frame.time_scale() * rollout.time, rollout.position, start);
     }
   };
   add(setup.train(), "train");
   add(setup.test(), "test");
   return rollouts;
+}
+
+// In degrees.
+void measure_orientations(const PreparedRun& setup, const RunRecord& record, EvaluationSummary& summary) {
+  const auto measure = [&](const std::vector<Demonstration>& demonstrations, double& mean, double& largest) {
+    const OrientationErrors found =
+        orientation_errors(record.networks.f, *record.orientation, setup.data.frame, demonstrations,
+                           setup.config.evaluation.rollout);
+    mean = degrees(found.mean);
+    largest = degrees(found.largest);
+  };
+  measure(setup.train(), summary.orientation_mean_train, summary.orientation_largest_train);
+  if (!setup.data.split.test.empty())
+    measure(setup.test(), summary.orientation_mean_test, summary.orientation_largest_test);
 }
 
 }  // namespace
@@ -69,12 +91,13 @@ void evaluate_motion(const PreparedRun& setup, RunRecord& record) {
     summary.deviation_largest = std::max(summary.deviation_largest, each.largest);
     summary.not_followed += each.follows() ? 0.0 : 1.0;
   }
+  if (record.orientation) measure_orientations(setup, record, summary);
   const std::vector<Deviation> from_initial = start_deviations_of(setup, networks.f);
   summary.starts_not_followed = static_cast<double>(std::count_if(
       from_initial.begin(), from_initial.end(), [](const Deviation& each) { return !each.follows(); }));
   record.evaluation = summary;
   record.remarks = motion_remarks(setup, record, from_shown, from_initial);
-  record.rollouts = make_rollouts(setup, networks.f);
+  record.rollouts = make_rollouts(setup, record);
   record.grid.reset();
   if (setup.problem.dimension() <= 3) record.grid = make_grid(setup, networks);
 }

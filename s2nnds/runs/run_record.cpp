@@ -41,6 +41,13 @@ void check_data(const RunData& data) {
           d.position.rows(), d.position.cols(), d.velocity.rows(), d.velocity.cols(), d.time.size(),
           data.dimension);
   }
+  for (std::size_t k = 0; k < data.demonstrations.size(); ++k) {
+    const Demonstration& d = data.demonstrations[k];
+    const Eigen::Index rows = data.frame.has_orientation() ? d.time.size() : 0;
+    check(d.orientation.rows() == rows && (rows == 0 || d.orientation.cols() == 4),
+          "/data/demonstrations/{}: found orientation [{}, {}], expected [{}, 4]", k, d.orientation.rows(),
+          d.orientation.cols(), rows);
+  }
   const auto count = static_cast<std::int64_t>(data.demonstrations.size());
   for (const auto& [name, indices] :
        {std::pair{"train", &data.split.train}, std::pair{"test", &data.split.test},
@@ -108,6 +115,10 @@ void write(Hdf5Writer& file, const RunData& data) {
   file.write_attribute("/data", "position_scale", data.frame.position_scale);
   file.write_attribute("/data", "velocity_scale", data.frame.velocity_scale);
   file.write("/data/goal", data.frame.goal);
+  if (data.frame.has_orientation()) {
+    file.write("/data/goal_orientation", data.frame.goal_orientation);
+    file.write_attribute("/data", "quaternion_order", data.frame.quaternion_order);
+  }
   file.write("/data/goals", data.frame.goals);
   file.write("/data/train", data.split.train);
   file.write("/data/test", data.split.test);
@@ -119,6 +130,8 @@ void write(Hdf5Writer& file, const RunData& data) {
     file.write(group + "/time", data.demonstrations[k].time);
     file.write(group + "/position", data.demonstrations[k].position);
     file.write(group + "/velocity", data.demonstrations[k].velocity);
+    if (data.demonstrations[k].orientation.size() > 0)
+      file.write(group + "/orientation", data.demonstrations[k].orientation);
   }
 }
 
@@ -131,6 +144,10 @@ RunData read_data(const Hdf5Reader& file) {
                 .goals = file.read_points("/data/goals"),
                 .position_scale = file.number_attribute("/data", "position_scale"),
                 .velocity_scale = file.number_attribute("/data", "velocity_scale")};
+  if (file.exists("/data/goal_orientation")) {
+    data.frame.goal_orientation = file.read_vector("/data/goal_orientation");
+    data.frame.quaternion_order = file.text_attribute("/data", "quaternion_order");
+  }
   data.dimension = file.integer_attribute("/data", "dimension");
   check(data.dimension >= 1, "{}: /data: found dimension {}, expected at least 1", file.path(),
         data.dimension);
@@ -143,6 +160,8 @@ RunData read_data(const Hdf5Reader& file) {
     data.demonstrations.push_back({.time = file.read_vector(group + "/time"),
                                    .position = file.read_points(group + "/position"),
                                    .velocity = file.read_points(group + "/velocity")});
+    if (file.exists(group + "/orientation"))
+      data.demonstrations.back().orientation = file.read_points(group + "/orientation");
   }
   return data;
 }
@@ -215,6 +234,18 @@ NetworkWeights read_network(const Hdf5Reader& file, const std::string& group) {
   return network;
 }
 
+void write(Hdf5Writer& file, const OrientationLaw& law) {
+  write_network(file, "/networks/psi", law.psi);
+  file.write_attribute("/networks/psi", "rate", law.rate);
+  file.write_attribute("/networks/psi", "initial_error", law.initial_error);
+}
+
+OrientationLaw read_orientation(const Hdf5Reader& file) {
+  return {.psi = read_network(file, "/networks/psi"),
+          .rate = file.number_attribute("/networks/psi", "rate"),
+          .initial_error = file.number_attribute("/networks/psi", "initial_error")};
+}
+
 Named<Vector> read_history(const Hdf5Reader& file) {
   Named<Vector> columns;
   for (const std::string& name : file.children("/history")) {
@@ -245,6 +276,7 @@ void write(Hdf5Writer& file, const std::vector<StoredRollout>& rollouts) {
     file.write_attribute(group, "stop", rollouts[k].stop);
     file.write(group + "/time", rollouts[k].time);
     file.write(group + "/position", rollouts[k].position);
+    if (rollouts[k].orientation.size() > 0) file.write(group + "/orientation", rollouts[k].orientation);
   }
 }
 
@@ -257,6 +289,8 @@ std::vector<StoredRollout> read_rollouts(const Hdf5Reader& file) {
                         .stop = file.text_attribute(group, "stop"),
                         .time = file.read_vector(group + "/time"),
                         .position = file.read_points(group + "/position")});
+    if (file.exists(group + "/orientation"))
+      rollouts.back().orientation = file.read_points(group + "/orientation");
   }
   return rollouts;
 }
@@ -352,6 +386,7 @@ RunRecord read_run(const std::string& path) {
   record.networks = {.f = read_network(file, "/networks/f"),
                      .V = read_network(file, "/networks/V"),
                      .B = read_network(file, "/networks/B")};
+  if (file.exists("/networks/psi")) record.orientation = read_orientation(file);
   record.certificate = read_fields<Certificate>(file, "/certificate");
   if (file.exists("/certificate/open_boxes")) {
     for (const std::string& name : file.children("/certificate/open_boxes")) {
@@ -384,6 +419,10 @@ void EvaluationSummary::visit(FieldVisitor& v) {
   v.field("deviation_largest", deviation_largest, any_number());
   v.field("not_followed", not_followed, any_number());
   v.field("starts_not_followed", starts_not_followed, any_number());
+  v.field("orientation_mean_train", orientation_mean_train, any_number());
+  v.field("orientation_largest_train", orientation_largest_train, any_number());
+  v.field("orientation_mean_test", orientation_mean_test, any_number());
+  v.field("orientation_largest_test", orientation_largest_test, any_number());
   v.field("safe_area", safe_area, any_number());
   v.field("true_safe_area", true_safe_area, any_number());
   v.field("safe_area_ratio", safe_area_ratio, any_number());
@@ -421,11 +460,24 @@ void check_record(const RunRecord& record) {
   check_network("f", record.networks.f, n, n);
   check_network("V", record.networks.V, n, 1);
   check_network("B", record.networks.B, n, 1);
+  if (record.orientation) {
+    check(record.data.frame.has_orientation(),
+          "/networks/psi: found an orientation law, but no orientations in /data");
+    try {
+      record.orientation->check(n);
+    } catch (const Error& error) {
+      fail("/networks/psi: {}", error.what());
+    }
+  }
   for (std::size_t k = 0; k < record.rollouts.size(); ++k) {
     const StoredRollout& rollout = record.rollouts[k];
     check(rollout.position.rows() == rollout.time.size() && rollout.position.cols() == n,
           "/rollouts/{}: found position [{}, {}], expected [{}, {}]", k, rollout.position.rows(),
           rollout.position.cols(), rollout.time.size(), n);
+    check(rollout.orientation.size() == 0 ||
+              (rollout.orientation.rows() == rollout.time.size() && rollout.orientation.cols() == 4),
+          "/rollouts/{}: found orientation [{}, {}], expected [{}, 4]", k, rollout.orientation.rows(),
+          rollout.orientation.cols(), rollout.time.size());
   }
   for (const auto& [name, corners] : record.open_boxes) {
     check(corners.cols() == 2 * n, "/certificate/open_boxes/{}: found {} columns, expected {}", name,
@@ -456,6 +508,7 @@ void save_run(const std::string& path, const RunRecord& record) {
   write_network(file, "/networks/f", record.networks.f);
   write_network(file, "/networks/V", record.networks.V);
   write_network(file, "/networks/B", record.networks.B);
+  if (record.orientation) write(file, *record.orientation);
   write_fields(file, "/certificate", record.certificate);
   for (const auto& [name, corners] : record.open_boxes)
     file.write("/certificate/open_boxes/" + name, corners);

@@ -14,6 +14,7 @@
 #include "s2nnds/data/frame.h"
 #include "s2nnds/data/split.h"
 #include "s2nnds/networks/network_weights.h"
+#include "s2nnds/networks/orientation_law.h"
 #include "s2nnds/problem/box.h"
 #include "s2nnds/verification/certificate.h"
 
@@ -75,6 +76,10 @@ struct EvaluationSummary {
   double not_followed = not_measured;
   double starts_not_followed =
       not_measured;                       // of 32 starts that cover X0, those that follow no demonstration
+  // Degrees between the orientations of a demonstration and of the motion from its first pose, matched in order by
+  // dynamic time warping of these: the mean over pairs, and the largest. Of training and test demonstrations.
+  double orientation_mean_train = not_measured, orientation_largest_train = not_measured;
+  double orientation_mean_test = not_measured, orientation_largest_test = not_measured;
   double safe_area = not_measured;        // of {B <= 0} within X; volume in 3-D
   double true_safe_area = not_measured;   // of the starts whose rollout is safe and reaches the goal
   double safe_area_ratio = not_measured;  // safe_area / true_safe_area
@@ -99,10 +104,11 @@ struct RunTiming {
 
 // A motion xdot = f(x), for figures.
 struct StoredRollout {
-  std::string start_kind;  // where it started: "test", "train" (a demonstration's first point), "grid"
-  std::string stop;        // why it ended: to_string(StopReason)
-  Vector time;             // [M] normalised, from 0
-  Points position;         // [M, n]
+  std::string start_kind;   // where it started: "test", "train" (a demonstration's first point), "grid"
+  std::string stop;         // why it ended: to_string(StopReason)
+  Vector time;              // [M] normalised, from 0
+  Points position;          // [M, n]
+  Points orientation = {};  // [M, 4] unit quaternions (w, x, y, z); [0, 0] without
 };
 
 // Fields on a grid, for figures. Values at (axis_0[i], axis_1[j], ...), the last axis running fastest:
@@ -138,6 +144,7 @@ struct RunRecord {
   RunProblem problem;                                   // the sets, in words and numbers
   std::vector<std::pair<std::string, Vector>> history;  // one column [rounds] a name
   Networks networks;                                    // f, V and B as trained so far
+  std::optional<OrientationLaw> orientation;            // of poses, once f, V and B are trained
   Certificate certificate;                              // what is known of these networks
   // By condition, [k, 2n] lower then upper corner: boxes that were not proved.
   std::vector<std::pair<std::string, Points>> open_boxes;
@@ -153,7 +160,7 @@ struct RunRecord {
 };
 
 // Of the run files that this program writes, and the only one that it reads.
-inline constexpr std::int64_t run_schema_version = 3;
+inline constexpr std::int64_t run_schema_version = 4;
 
 std::string time_stamp();  // now, UTC: "2024-05-31T12:00:00Z"
 

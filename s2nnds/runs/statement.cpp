@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "s2nnds/data/orientation.h"
 #include "s2nnds/runs/user_units.h"
 
 namespace s2nnds {
@@ -167,6 +168,33 @@ std::string coordinates(const RunRecord& record) {
       frame.position_text(frame.goal), units.workspace(), record.problem.unsafe, record.problem.initial);
 }
 
+// What is proved of the orientation, exactly.
+std::string orientation_details(const RunRecord& record) {
+  const OrientationCertificate& found = record.certificate.orientation;
+  if (!found.proved || record.certificate.guarantee != Guarantee::invariant) return "";
+  const Frame& frame = record.data.frame;
+  const Vector& q = frame.goal_orientation;
+  const bool last = frame.quaternion_order == "xyzw";
+  const std::string goal = last ? fmt::format("{:.5g}, {:.5g}, {:.5g}, {:.5g}", q[1], q[2], q[3], q[0])
+                                : fmt::format("{:.5g}, {:.5g}, {:.5g}, {:.5g}", q[0], q[1], q[2], q[3]);
+  return fmt::format(
+      " Of the orientation: with r = log(q_goal^-1 q) and e = r - psi(p), the law makes e fall as exp(-{} "
+      "t), t in s, "
+      "whatever the position does. Proved: |psi(p)| < {:.4g} degrees on the safe set, so that |psi(p)| and "
+      "the {:.4g} "
+      "degrees that |e| may have at the start are less than 180 degrees together (any start with |e| up to "
+      "{:.4g} "
+      "degrees would be covered) and r stays smooth along the motion. The goal's orientation q_goal ({}) is "
+      "({}). "
+      "Excluded are starts with a larger |e|, among them all that are turned from the goal by 180 degrees: "
+      "no "
+      "continuous law on all orientations has one that attracts every other. This holds for an orientation "
+      "that "
+      "turns as commanded, in continuous time and exact arithmetic; of errors in following nothing is said.",
+      number(found.rate), degrees(found.bound), degrees(found.initial_error),
+      std::floor(10.0 * degrees(M_PI - found.bound)) / 10.0, frame.quaternion_order, goal);
+}
+
 }  // namespace
 
 std::string certified_speeds_in_words(const RunRecord& record) {
@@ -220,10 +248,27 @@ std::string guarantee_sentence(const RunRecord& record) {
   return "";
 }
 
+std::string orientation_sentence(const RunRecord& record) {
+  if (!record.data.frame.has_orientation()) return "";
+  const Certificate& certificate = record.certificate;
+  const OrientationCertificate& found = certificate.orientation;
+  if (!found.proved || certificate.guarantee != Guarantee::invariant) {
+    return fmt::format("Nothing is guaranteed of the orientation{}.",
+                       found.reason.empty() ? "" : fmt::format(": {}", found.reason));
+  }
+  return fmt::format(
+      "Its orientation converges to the goal's from every start in the safe set with an orientation error "
+      "|e| of at "
+      "most {:.4g} degrees; starts with a larger one are excluded.",
+      degrees(found.initial_error));
+}
+
 std::string guarantee_statement(const RunRecord& record) {
-  if (record.certificate.guarantee == Guarantee::none)
-    return guarantee_sentence(record) + refutations(record);
-  return guarantee_sentence(record) + details(record) + refutations(record) + coordinates(record) +
+  const std::string turning = orientation_sentence(record);
+  const std::string sentences = guarantee_sentence(record) + (turning.empty() ? "" : " " + turning);
+  if (record.certificate.guarantee == Guarantee::none) return sentences + refutations(record);
+  return sentences + details(record) + orientation_details(record) + refutations(record) +
+         coordinates(record) +
          (record.certificate.execution.invariant
               ? " This is about a point of the robot that moves as told above, not about its other parts."
               : " This is about the kinematic motion of a point, not about a robot's tracking error.");

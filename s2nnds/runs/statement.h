@@ -11,6 +11,9 @@ namespace s2nnds {
 // The guarantee of the record's certificate in one or two sentences.
 std::string guarantee_sentence(const RunRecord& record);
 
+// What is guaranteed of the orientation, in a sentence or two; "" where nothing turns.
+std::string orientation_sentence(const RunRecord& record);
+
 // The same in one paragraph, with what was checked and how: conditions, numbers of samples, margins. Lengths
 // and velocities are in the unit of the data too.
 std::string guarantee_statement(const RunRecord& record);

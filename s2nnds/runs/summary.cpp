@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "s2nnds/core/json_text.h"
+#include "s2nnds/data/orientation.h"
 #include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/threads.h"
 
@@ -110,6 +111,15 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   }
   if (const ExecutionCertificate& executed = certificate.execution; executed.damping > 0.0)
     json["pushes"] = {{"damping", executed.damping}, {"least_push", executed.least_push}};
+  if (record.data.frame.has_orientation()) {
+    const OrientationCertificate& turning = certificate.orientation;
+    json["orientation"] = {{"proved", turning.proved},
+                           {"bound_degrees", real(degrees(turning.bound))},
+                           {"initial_error_degrees", real(degrees(turning.initial_error))},
+                           {"rate", real(turning.rate)},
+                           {"boxes", turning.boxes},
+                           {"reason", turning.reason}};
+  }
   json["float32_error"] = real(certificate.float32_error);
   json["follows"] = follows_demonstrations(record);
   json["remarks"] = record.remarks;

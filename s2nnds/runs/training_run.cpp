@@ -10,6 +10,7 @@
 #include "s2nnds/runs/proof_source.h"
 #include "s2nnds/runs/training_checkpoint.h"
 #include "s2nnds/training/falsifier.h"
+#include "s2nnds/training/orientation_fit.h"
 
 namespace s2nnds {
 namespace {
@@ -76,6 +77,11 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
   });
   const TrainerSummary summary = trainer.run();
   record.checkpoint->finished = !(summary.stopped && hooks.until_certified);
+  if (setup.data.frame.has_orientation()) {
+    record.orientation =
+        fit_orientation(setup.train(), setup.data.frame, record.networks.B, setup.problem.workspace,
+                        config.orientation, static_cast<std::uint64_t>(config.seed));
+  }
   record.timing.training = summary.seconds;
   record.certificate = {};
   record.pushes = {};

@@ -9,6 +9,7 @@
 #include "s2nnds/verification/executed_motion.h"
 #include "s2nnds/verification/guarantee.h"
 #include "s2nnds/verification/level_distance.h"
+#include "s2nnds/verification/orientation_bound.h"
 #include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
@@ -52,6 +53,28 @@ void find_pushes(const PreparedRun& setup, const ProofFunctions& functions, RunR
   record.certificate.execution.least_push = push.minCoeff() * (1.0 - 1e-12);
 }
 
+// How the orientation follows, for a run of poses.
+OrientationCertificate verify_orientation(const PreparedRun& setup, const RunRecord& record,
+                                          const ProofFunctions& functions, bool invariant,
+                                          const BranchLimits& limits) {
+  OrientationCertificate found;
+  if (!setup.data.frame.has_orientation()) return found;
+  if (!record.orientation || !invariant) {
+    found.reason =
+        invariant ? "no law was fitted" : "the motion of the position is not proved to be invariant";
+    return found;
+  }
+  const OrientationBound bound =
+      prove_orientation_bound(*record.orientation, functions, setup.problem, limits);
+  found.proved = bound.proved;
+  found.bound = bound.bound;
+  found.initial_error = record.orientation->initial_error;
+  found.rate = record.orientation->rate;
+  found.boxes = bound.boxes;
+  found.reason = bound.reason;
+  return found;
+}
+
 // The proof's verdicts; side conditions, margins and open boxes go into the record.
 std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecord& record,
                                               const VerificationOptions& options,
@@ -87,6 +110,8 @@ std::vector<ConditionVerdict> verify_by_proof(const PreparedRun& setup, RunRecor
     if (!setup.config.execution.is_ideal()) verify_executed(setup, functions, record);
     if (setup.config.execution.damping > 0.0) find_pushes(setup, functions, record);
   }
+  certificate.orientation =
+      verify_orientation(setup, record, functions, result.guarantee == Guarantee::invariant, options.proof);
   record.timing.proof = result.seconds;
   return result.verdicts();
 }

@@ -54,6 +54,15 @@ void ExecutionCertificate::visit(FieldVisitor& v) {
   v.field("least_push", least_push, at_least(0));
 }
 
+void OrientationCertificate::visit(FieldVisitor& v) {
+  v.field("proved", proved);
+  v.field("bound", bound, at_least(0));
+  v.field("initial_error", initial_error, at_least(0));
+  v.field("rate", rate, at_least(0));
+  v.field("boxes", boxes, kCount);
+  v.field("reason", reason);
+}
+
 void Certificate::visit(FieldVisitor& v) {
   visit_enum(v, "guarantee", guarantee);
   v.field("weight_hash", weight_hash);
@@ -68,6 +77,7 @@ void Certificate::visit(FieldVisitor& v) {
   v.field("barrier_float64_error", barrier_float64_error, any_number());
   v.field("statement", statement);
   v.group("execution", execution);
+  v.group("orientation", orientation);
   side.visit(v);
   v.list("conditions", conditions);
 }

@@ -116,6 +116,19 @@ struct ExecutionCertificate {
   void visit(FieldVisitor& v);  // names each field once
 };
 
+// What is known of how the orientation follows, where poses move (networks/orientation_law.h). It counts only beside the
+// guarantee `invariant`.
+struct OrientationCertificate {
+  bool proved = false;         // |psi| + initial_error < pi on {B <= 0}
+  double bound = 0.0;          // rad: |psi| is below it on {B <= 0}; 0: not shown
+  double initial_error = 0.0;  // rad: the largest |e| of a start that is spoken of
+  double rate = 0.0;           // k, 1/s
+  std::int64_t boxes = 0;      // examined
+  std::string reason;          // why it was not proved; "" if it was, and where nothing turns
+
+  void visit(FieldVisitor& v);  // names each field once
+};
+
 // What is known of a run's networks, and how it was found out.
 struct Certificate {
   Guarantee guarantee = Guarantee::none;  // the strongest that the verdicts support (guarantee_of)
@@ -133,6 +146,7 @@ struct Certificate {
   std::vector<ConditionVerdict> conditions;  // of every method used, at most one a method and condition
   ExecutionCertificate execution;            // of the motion as executed, found by the last proof
   SideConditions side;                       // found by the last proof
+  OrientationCertificate orientation;        // found by the last proof
 
   void visit(FieldVisitor& v);  // names each field once
 };

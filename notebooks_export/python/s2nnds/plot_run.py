@@ -3,7 +3,7 @@
 
     python -m s2nnds.plot_run RUN.h5 --out DIR [--format png|pdf]
 
-2-D: phase_portrait, lyapunov, history. 3-D: the same and slices. More dimensions: pairwise projections.
+2-D: phase_portrait, lyapunov, history. 3-D: the same and slices. More dimensions: pairwise projections. Poses: poses.
 Prints the paths it wrote; exit code 2 and one line on stderr when the file or the folder cannot be used.
 """
 
@@ -26,7 +26,7 @@ from matplotlib.ticker import LogFormatterSciNotation, MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from .isosurface import isosurface
-from .run import Grid, Run, RunError
+from .run import Grid, Run, RunError, rotation_matrices, rotation_vectors
 
 SAFE_FILL, SAFE_EDGE = "#d2f5d2", "#0a7d0a"
 UNSAFE_FILL, UNSAFE_EDGE = "#f2a09a", "#b3261e"
@@ -555,6 +555,93 @@ def lyapunov(run):
     return lyapunov_in_planes(run, planes, (11.5, 4.2))
 
 
+# ---------------------------------------------------------------- poses
+
+FRAME_AXES = (("x", "#c62828"), ("y", "#2e7d32"), ("z", "#1565c0"))  # of what moves
+
+
+def in_space(position):
+    """[N, 3] of positions [N, 2] or [N, 3]."""
+    return np.pad(position, ((0, 0), (0, 3 - position.shape[1])))
+
+
+def draw_frames(ax, motion, length, count, **style):
+    """The axes of what moves at `count` places evenly spaced along its path."""
+    position = in_space(motion.position)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(position, axis=0), axis=1))])
+    places = np.unique(np.searchsorted(along, np.linspace(0.0, along[-1], count)).clip(0, len(along) - 1))
+    axes = rotation_matrices(motion.orientation[places])
+    for k, (_, colour) in enumerate(FRAME_AXES):
+        ends = position[places] + length * axes[:, :, k]
+        ax.add_collection(Line3DCollection(np.stack([position[places], ends], axis=1), colors=colour, **style))
+
+
+def draw_poses(ax, run):
+    motions = [rollout for rollout in run.rollouts if rollout.orientation is not None]
+    shown = [run.data.demonstrations[k] for k in run.data.train]
+    all_positions = in_space(np.concatenate([motion.position for motion in shown + motions]))
+    lower, upper = all_positions.min(0), all_positions.max(0)
+    length = 0.09 * np.max(upper - lower)
+    ax.add_collection(Line3DCollection([in_space(d.position) for d in shown], colors=TRAIN, linewidths=0.9, alpha=0.5))
+    ax.add_collection(Line3DCollection([in_space(m.position) for m in motions], colors=ROLLOUT, linewidths=1.5))
+    for motion in motions[:2]:
+        draw_frames(ax, motion, length, 11, linewidths=1.6)
+    ax.plot(*in_space(run.data.goal[None]).T, marker="*", color=GOAL, markeredgecolor="black", markersize=13)
+    middle, half = 0.5 * (lower + upper), 0.5 * np.max(upper - lower) + length
+    ax.set(xlim=middle[0] + [-half, half], ylim=middle[1] + [-half, half], zlim=middle[2] + [-half, half])
+    ax.set_box_aspect((1, 1, 1), zoom=0.9)
+    ax.set(xlabel=axis_label(run, 0), ylabel=axis_label(run, 1), zlabel=axis_label(run, 2) if run.dimension == 3 else "")
+    ax.view_init(elev=24, azim=-58)
+    ax.set_title("frames along the first two motions", fontsize=10)
+    frames = [line(f"{name} axis of what moves", colour) for name, colour in FRAME_AXES]
+    return [line("demonstrations", TRAIN), line("rollouts", ROLLOUT), *frames, goal_handle()]
+
+
+def draw_turns(ax, run, k):
+    """One component of log(q_goal^-1 q) over time."""
+    goal = run.data.goal_orientation
+    for motions, colour, width in (
+        ([run.data.demonstrations[i] for i in run.data.train], TRAIN, 0.9),
+        ([run.data.demonstrations[i] for i in run.data.test], TEST, 0.9),
+        (run.rollouts, ROLLOUT, 1.3),
+    ):
+        for motion in motions:
+            if motion.orientation is None:
+                continue
+            turn = np.degrees(rotation_vectors(goal, motion.orientation)[:, k])
+            ax.plot(motion.time - motion.time[0], turn, color=colour, linewidth=width)
+    ax.axhline(0.0, color="#888888", linewidth=0.7)
+    ax.set_ylabel(f"$r_{k + 1}$ [degrees]")
+    ax.grid(alpha=0.3)
+
+
+def poses(run):
+    """Frames along the motions, and the rotation from the goal's orientation over time; None without orientations."""
+    if run.data.goal_orientation is None or not any(rollout.orientation is not None for rollout in run.rollouts):
+        return None
+    figure = plt.figure(figsize=(11.5, 5.6), constrained_layout=True)
+    grid = figure.add_gridspec(3, 2, width_ratios=(1.3, 1))
+    handles = draw_poses(figure.add_subplot(grid[:, 0], projection="3d"), run)
+    for k in range(3):
+        ax = figure.add_subplot(grid[k, 1])
+        draw_turns(ax, run, k)
+        if k == 0:
+            ax.set_title("rotation vector from the goal's orientation", fontsize=10)
+    ax.set_xlabel("time [s]")
+    if run.data.test:
+        handles.append(line("test demonstrations", TEST))
+    turning = run.certificate.get("orientation", {})
+    proved = run.guarantee == "invariant" and turning.get("proved", 0)
+    words = (
+        f"orientation proved to converge from errors up to {np.degrees(turning['initial_error']):.1f} degrees"
+        if proved
+        else "nothing is guaranteed of the orientation"
+    )
+    figure.suptitle(f"{title_of(run)}\n{words}", fontsize=11)
+    legend_below(figure, handles, columns=4)
+    return figure
+
+
 # ---------------------------------------------------------------- history
 
 # What the numbers of the column `stage` stand for, and how their rounds are shaded.
@@ -664,9 +751,10 @@ def make_figures(run):
     else:
         yield "phase_portrait", projections(run)
     yield "lyapunov", lyapunov(run)
-    figure = history(run)
-    if figure is not None:
-        yield "history", figure
+    for name, make in (("poses", poses), ("history", history)):
+        figure = make(run)
+        if figure is not None:
+            yield name, figure
     if run.pushes is not None:
         yield "pushes", pushes(run)
 

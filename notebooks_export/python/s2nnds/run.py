@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads the run files of s2nnds (HDF5, schema 2) with numpy and h5py alone.
+"""Reads the run files of s2nnds (HDF5, schema 4) with numpy and h5py alone.
 
     from s2nnds import Run
     run = Run("sine.h5")
@@ -9,6 +9,8 @@
     run.f.torch()                         # the same as a torch.nn.Module
     run.policy()                          # the policy as a torch.nn.Module, in the data's unit
     run.shield(x, wanted)                 # any wanted velocity made safe, where the certificate has a shield
+    run.velocity(p)                       # in the data's unit and frame
+    run.pose_velocity(p, q)               # of poses: velocity and angular velocity [rad/s], in the data's frame
     run.history["mse"]                    # [rounds]
     run.data.demonstrations               # as read: in the data's unit and frame, time in s
     run.data.normalized                   # the same, normalised: what training saw
@@ -34,7 +36,7 @@ try:
 except ImportError:  # not compiled: NumPy evaluates the networks
     Evaluator = None
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 
 
 class RunError(Exception):
@@ -194,6 +196,7 @@ class Demonstration:
     time: np.ndarray  # [M]
     position: np.ndarray  # [M, n]
     velocity: np.ndarray  # [M, n]
+    orientation: np.ndarray = None  # [M, 4] unit quaternions (w, x, y, z); None without
 
 
 @dataclass
@@ -202,6 +205,7 @@ class Rollout:
     position: np.ndarray  # [M, n] normalised
     stop: str  # reached_goal, entered_unsafe, left_workspace, time_out, step_failed
     start_kind: str  # test, train, grid
+    orientation: np.ndarray = None  # [M, 4] unit quaternions (w, x, y, z); None without
 
 
 @dataclass
@@ -244,6 +248,8 @@ class Data:
     test: list
     frame_name: str = ""  # of the data's frame: "base_link"; "" when not told
     demonstrations: list = field(default_factory=list)
+    goal_orientation: np.ndarray = None  # [4] (w, x, y, z) of poses
+    quaternion_order: str = ""  # of the user's quaternions: xyzw, wxyz; "" without
     report: list = field(default_factory=list)  # what was recognised and cleaned while reading, a line each
 
     @property
@@ -259,6 +265,7 @@ class Data:
                 (d.time - d.time[0]) / self.time_scale,
                 (d.position - goal) / self.position_scale,
                 d.velocity / self.velocity_scale,
+                d.orientation,
             )
             for d, goal in zip(self.demonstrations, self.goals)
         ]
@@ -270,6 +277,50 @@ class Data:
     def to_normalized(self, position):
         """The way back."""
         return (np.asarray(position, dtype=float) - self.goal) / self.position_scale
+
+
+@dataclass
+class OrientationLaw:
+    """How orientations follow positions: with r = log(q_goal^-1 q), dr/dt = dpsi/dt - rate (r - psi)."""
+
+    psi: Network  # normalised position -> rotation vector [rad]
+    rate: float  # 1/s
+    initial_error: float  # rad: the largest |r - psi| of a start that the certificate speaks of
+
+
+def _product(a, b):
+    """Of quaternions (w, x, y, z), [N, 4] or one of them [4]."""
+    a, b = np.broadcast_arrays(a, b)
+    real = a[:, :1] * b[:, :1] - np.sum(a[:, 1:] * b[:, 1:], axis=1, keepdims=True)
+    return np.hstack([real, a[:, :1] * b[:, 1:] + b[:, :1] * a[:, 1:] + np.cross(a[:, 1:], b[:, 1:])])
+
+
+def rotation_vectors(goal, orientation):
+    """log(goal^-1 q), |.| <= pi, of orientations [N, 4] (w, x, y, z): [N, 3] rad."""
+    q = _product(np.asarray(goal) * [1.0, -1.0, -1.0, -1.0], np.asarray(orientation, dtype=float))
+    q = np.where(q[:, :1] < 0.0, -q, q)
+    sine = np.linalg.norm(q[:, 1:], axis=1, keepdims=True)
+    small = sine < 1e-8
+    share = np.where(small, 2.0 / q[:, :1], 2.0 * np.arctan2(sine, q[:, :1]) / np.where(small, 1.0, sine))
+    return share * q[:, 1:]
+
+
+def rotation_matrices(orientation):
+    """[N, 3, 3] of unit quaternions [N, 4] (w, x, y, z)."""
+    w, x, y, z = np.asarray(orientation, dtype=float).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def angles_between(a, b):
+    """Degrees between orientations [N, 4]."""
+    a, b = np.broadcast_arrays(np.asarray(a, dtype=float), np.asarray(b, dtype=float))
+    q = _product(a * [1.0, -1.0, -1.0, -1.0], b)
+    return np.degrees(2.0 * np.arctan2(np.linalg.norm(q[:, 1:], axis=1), np.abs(q[:, 0])))
 
 
 def _plain(value):
@@ -414,6 +465,34 @@ class Run:
         """In the data's unit per second: [N, n], or [n] for a single point."""
         return self.data.velocity_scale * self.f(self.data.to_normalized(position))
 
+    def pose_velocity(self, position, orientation):
+        """(velocity [N, n], angular velocity [N, 3] in rad/s), both in the data's frame, at positions [N, n] with
+        orientations [N, 4] in the order of the recordings (run.data.quaternion_order): q' = 1/2 (0, omega) q."""
+        if self.orientation is None:
+            raise ValueError("pose_velocity: the run is one of positions alone")
+        law, goal = self.orientation, self.data.goal_orientation
+        position = np.atleast_2d(np.asarray(position, dtype=float))
+        q = np.atleast_2d(np.asarray(orientation, dtype=float))
+        if position.shape[1] != self.dimension or q.shape != (len(position), 4):
+            raise ValueError(
+                f"pose_velocity: found shapes {position.shape} and {q.shape}, expected [N, {self.dimension}] and [N, 4]"
+            )
+        q = q[:, [3, 0, 1, 2]] if self.data.quaternion_order == "xyzw" else q
+        velocity = self.velocity(position)
+        z = self.data.to_normalized(position)
+        r = rotation_vectors(goal, q / np.linalg.norm(q, axis=1, keepdims=True))
+        change = np.einsum("nij,nj->ni", law.psi.jacobian(z), velocity / self.data.position_scale)
+        rate = change - law.rate * (r - law.psi(z))
+        square = np.sum(r * r, axis=1, keepdims=True)
+        angle = np.sqrt(square)
+        small = angle < 1e-4
+        safe = np.where(small, 1.0, angle)
+        first = np.where(small, 0.5 - square / 24, (1 - np.cos(safe)) / safe**2)
+        second = np.where(small, 1 / 6 - square / 120, (safe - np.sin(safe)) / safe**3)
+        once = np.cross(r, rate)
+        turned = rate + first * once + second * np.cross(r, once)
+        return velocity, turned @ rotation_matrices(goal[None])[0].T
+
     def lyapunov(self, position):
         """V: [N], or a number for a single point."""
         return self.V(self.data.to_normalized(position))
@@ -446,7 +525,7 @@ class Run:
             data,
             goals=np.tile(data.goal, (len(data.goals), 1)),
             demonstrations=[
-                Demonstration(d.time, d.position + (data.goal - goal), d.velocity)
+                Demonstration(d.time, d.position + (data.goal - goal), d.velocity, d.orientation)
                 for d, goal in zip(data.demonstrations, data.goals)
             ],
         )
@@ -492,6 +571,7 @@ class Run:
             },
         )
         self.f, self.V, self.B = (_network(file["networks"][key]) for key in "fVB")
+        self.orientation = self._read_orientation(file["networks"])
         for key, outputs in (("f", n), ("V", 1), ("B", 1)):
             network = getattr(self, key)
             found = (network.input_dimension, network.output_dimension)
@@ -507,6 +587,19 @@ class Run:
         self.timing = _fields(file["timing"]) if "timing" in file else {}
         self.rollouts = [self._read_rollout(group) for group in _numbered(file.get("rollouts", {}))]
         self.grid = self._read_grid(file["grid"]) if "grid" in file else None
+
+    def _read_orientation(self, networks):
+        if "psi" not in networks:
+            return None
+        group = networks["psi"]
+        law = OrientationLaw(_network(group), float(group.attrs["rate"]), float(group.attrs["initial_error"]))
+        found = (law.psi.input_dimension, law.psi.output_dimension)
+        _require(
+            found == (self.dimension, 3) and self.data.goal_orientation is not None,
+            f"/networks/psi: found {found[0]} inputs and {found[1]} outputs, expected {self.dimension} and 3, "
+            "and a goal orientation in /data",
+        )
+        return law
 
     def _read_config(self, file):
         group = file.get("config", {})
@@ -532,13 +625,19 @@ class Run:
             **indices,
             frame_name=values.get("frame_name", ""),
         )
+        if "goal_orientation" in group:
+            self.data.goal_orientation = _array(group, "goal_orientation", (4,))
+            self.data.quaternion_order = values.get("quaternion_order", "")
         if "report" in group:
             self.data.report = [str(_plain(line)) for line in group["report"][()]]
         for item in _numbered(group.get("demonstrations", {})):
             time = _array(item, "time", (None,))
             self.data.demonstrations.append(
                 Demonstration(
-                    time, _array(item, "position", (len(time), n)), _array(item, "velocity", (len(time), n))
+                    time,
+                    _array(item, "position", (len(time), n)),
+                    _array(item, "velocity", (len(time), n)),
+                    _array(item, "orientation", (len(time), 4)) if "orientation" in item else None,
                 )
             )
         count = len(self.data.demonstrations)
@@ -555,6 +654,7 @@ class Run:
         group = file.get("certificate", {})
         self.certificate = {"guarantee": "none", **(_fields(group) if group else {})}
         self.certificate["execution"] = _fields(group["execution"]) if "execution" in group else {}
+        self.certificate["orientation"] = _fields(group["orientation"]) if "orientation" in group else {}
         self.certificate["conditions"] = [_fields(item) for item in _numbered(group.get("conditions", {}))]
         self.certificate["execution"] = _fields(group["execution"]) if "execution" in group else {}
         if self.guarantee != "none":
@@ -579,6 +679,15 @@ class Run:
             (problem.get("workspace_upper"), self.problem.workspace_upper),
             (problem.get("level_band"), self.problem.level_band),
         ]
+        if self.orientation is not None:
+            turning = scope.get("orientation", {})
+            pairs += [
+                (turning.get("psi"), weight_hash(self.orientation.psi, *(Network([]) for _ in range(2)))),
+                (turning.get("goal"), self.data.goal_orientation),
+                (turning.get("rate"), self.orientation.rate),
+                (turning.get("initial_error"), self.orientation.initial_error),
+                (turning.get("quaternion_order"), self.data.quaternion_order),
+            ]
         _require(
             all(np.array_equal(certified, found) for certified, found in pairs),
             "found weights, a problem or data other than those that its certificate speaks of; "
@@ -592,6 +701,7 @@ class Run:
             _array(group, "position", (len(time), self.dimension)),
             str(_plain(group.attrs.get("stop", ""))),
             str(_plain(group.attrs.get("start_kind", ""))),
+            _array(group, "orientation", (len(time), 4)) if "orientation" in group else None,
         )
 
     def _read_grid(self, group):

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Compiled by pose_policy_test with POLICY_HEADER and POLICY_NAMESPACE set: reads positions [dimension] and orientations [4]
+// from stdin, writes velocity and angular velocity of each to stdout.
+#include <cstdio>
+
+#include POLICY_HEADER
+
+int main() {
+  namespace policy = POLICY_NAMESPACE;
+  constexpr int n = policy::dimension;
+  static_assert(noexcept(policy::velocity(nullptr, nullptr, nullptr, nullptr)));
+  double state[n + 4], v[n], omega[3];
+  for (;;) {
+    for (double& value : state) {
+      if (std::scanf("%lf", &value) != 1) return 0;
+    }
+    policy::velocity(state, state + n, v, omega);
+    for (double value : v) std::printf("%.17g\n", value);
+    for (double value : omega) std::printf("%.17g\n", value);
+  }
+}
