@@ -40,15 +40,16 @@ class Reader {
           recording.samples());
     Points unit = Points::Constant(raw.rows(), 4, std::numeric_limits<double>::quiet_NaN());
     Eigen::Index before = -1;
+    bool negated = false;
     for (Eigen::Index i = 0; i < raw.rows(); ++i) {
       if (!raw.row(i).allFinite()) continue;
       Eigen::Vector4d q = matrices ? of_matrix(raw, i) : of_quaternion(raw, i);
       if (before >= 0) {
         const Eigen::Vector4d last = unit.row(before).transpose();
-        if (q.dot(last) < 0.0) {
-          q = -q;
-          flips_ += matrices ? 0 : 1;
-        }
+        const bool negate = q.dot(last) < 0.0;
+        if (negate) q = -q;
+        if (negate != negated && !matrices) ++flips_;
+        negated = negate;
         check_step(last, q, raw, i);
       }
       unit.row(i) = q.transpose();

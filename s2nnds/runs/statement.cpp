@@ -168,6 +168,10 @@ std::string coordinates(const RunRecord& record) {
       frame.position_text(frame.goal), units.workspace(), record.problem.unsafe, record.problem.initial);
 }
 
+// Hundredths of degrees, rounded so that what is said of them is true.
+double degrees_up(double radians) { return std::ceil(100.0 * degrees(radians) + 1e-6) / 100.0; }
+double degrees_down(double radians) { return std::floor(100.0 * degrees(radians) - 1e-6) / 100.0; }
+
 // What is proved of the orientation, exactly.
 std::string orientation_details(const RunRecord& record) {
   const OrientationCertificate& found = record.certificate.orientation;
@@ -177,22 +181,21 @@ std::string orientation_details(const RunRecord& record) {
   const bool last = frame.quaternion_order == "xyzw";
   const std::string goal = last ? fmt::format("{:.5g}, {:.5g}, {:.5g}, {:.5g}", q[1], q[2], q[3], q[0])
                                 : fmt::format("{:.5g}, {:.5g}, {:.5g}, {:.5g}", q[0], q[1], q[2], q[3]);
+  const double room = degrees_down(M_PI - found.bound), covered = degrees_down(found.initial_error);
   return fmt::format(
       " Of the orientation: with r = log(q_goal^-1 q) and e = r - psi(p), the law makes e fall as exp(-{} "
-      "t), t in s, "
-      "whatever the position does. Proved: |psi(p)| < {:.4g} degrees on the safe set, so that |psi(p)| and "
-      "the {:.4g} "
-      "degrees that |e| may have at the start are less than 180 degrees together (any start with |e| up to "
-      "{:.4g} "
-      "degrees would be covered) and r stays smooth along the motion. The goal's orientation q_goal ({}) is "
-      "({}). "
-      "Excluded are starts with a larger |e|, among them all that are turned from the goal by 180 degrees: "
-      "no "
-      "continuous law on all orientations has one that attracts every other. This holds for an orientation "
-      "that "
-      "turns as commanded, in continuous time and exact arithmetic; of errors in following nothing is said.",
-      number(found.rate), degrees(found.bound), degrees(found.initial_error),
-      std::floor(10.0 * degrees(M_PI - found.bound)) / 10.0, frame.quaternion_order, goal);
+      "t), t "
+      "in s, whatever the position does. Proved: |psi(p)| < {} degrees on the safe set, which with |e| <= {} "
+      "degrees at the start stays below 180 degrees{}, so that r is smooth along the motion. The goal's "
+      "orientation q_goal ({}) is ({}). Excluded are starts with a larger |e|, among them all that are "
+      "turned "
+      "from the goal by 180 degrees: no continuous law on all orientations has one that attracts every "
+      "other. "
+      "This holds for an orientation that turns as commanded, in continuous time and exact arithmetic; of "
+      "errors in following nothing is said.",
+      found.rate, degrees_up(found.bound), covered,
+      room > covered ? fmt::format(" (and so it would from |e| <= {})", room) : "", frame.quaternion_order,
+      goal);
 }
 
 }  // namespace
@@ -259,8 +262,8 @@ std::string orientation_sentence(const RunRecord& record) {
   return fmt::format(
       "Its orientation converges to the goal's from every start in the safe set with an orientation error "
       "|e| of at "
-      "most {:.4g} degrees; starts with a larger one are excluded.",
-      degrees(found.initial_error));
+      "most {} degrees; starts with a larger one are excluded.",
+      degrees_down(found.initial_error));
 }
 
 std::string guarantee_statement(const RunRecord& record) {

@@ -16,6 +16,7 @@ namespace s2nnds {
 namespace {
 
 constexpr Eigen::Index kDrawn = 20000;
+constexpr std::int64_t kFewBoxes = 100000;  // of an attempt that may fail
 // Covers the dozen roundings, each of 2^-53, with which a norm is put together from bounds on its parts.
 constexpr double kRounding = 1.0 + 1e-12;
 
@@ -104,9 +105,11 @@ OrientationBound prove_orientation_bound(const OrientationLaw& law, const ProofF
   // Every number below it plus the initial error is below pi.
   const double most = (Interval(pi_interval().lower) - Interval(law.initial_error)).lower;
   const double drawn = largest_drawn(law.psi, psi, functions, problem);
-  for (const double wanted : {1.02 * drawn + 0.01, most}) {
-    if (!(wanted <= most) || found.proved) continue;
+  // The largest |psi| is found at few of the drawn points; each attempt costs little but the last.
+  for (const double wanted : {1.02 * drawn + 0.01, 1.1 * drawn + 0.01, 1.3 * drawn + 0.01, most}) {
+    if (!(wanted <= most && drawn < most) || found.proved) continue;
     BranchLimits left = limits;
+    if (wanted < most) left.max_boxes = std::min(left.max_boxes, kFewBoxes);
     left.max_seconds = std::max(1e-9, limits.max_seconds - watch.seconds());
     const BranchResult result = branch_and_bound(
         workspace.lower.transpose(), workspace.upper.transpose(),

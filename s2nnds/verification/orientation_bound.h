@@ -19,7 +19,7 @@ struct OrientationBound {
   double seconds = 0.0;    // wall clock
 };
 
-// Proves the law's bound by Taylor models of B and psi over boxes, every rounding covered: first for a bound little above
+// Proves the law's bound by Taylor models of B and psi over boxes, every rounding covered: first for bounds little above
 // the largest |psi| at drawn points, then for pi - initial_error. With the position in {B <= 0} for ever, |r| <=
 // |psi| + exp(-k t) |e(0)| < pi then holds for ever: the rotation vector is smooth along the motion, and the law's
 // solution is the orientation.

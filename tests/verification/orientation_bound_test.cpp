@@ -37,9 +37,10 @@ class OrientationBoundTest : public testing::Test {
   OrientationBound prove(const OrientationLaw& law, double edge) {
     networks_.B = {};
     networks_.B.layers = {{Points{{1.0, 0.0}}, Vector::Constant(1, -edge), Activation::identity}};
-    return prove_orientation_bound(law, ProofFunctions::of(networks_), problem_, {});
+    return prove_orientation_bound(law, ProofFunctions::of(networks_), problem_, few_);
   }
 
+  BranchLimits few_ = {.max_boxes = 30000};
   Networks networks_;
   SafetyProblem problem_;
 };
@@ -90,7 +91,8 @@ TEST_F(OrientationBoundTest, HoldsAtRandomPoints) {
     networks_.B.layers = {{Points::NullaryExpr(6, 2, draw), Vector::NullaryExpr(6, draw), Activation::tanh},
                           {Points::NullaryExpr(1, 6, draw), {}, Activation::identity}};
     networks_.B.head = Head::plain;
-    const OrientationBound found = prove_orientation_bound(law, ProofFunctions::of(networks_), problem_, {});
+    const OrientationBound found =
+        prove_orientation_bound(law, ProofFunctions::of(networks_), problem_, few_);
     if (!found.proved) continue;
     ++proved;
     const Points x = Points::NullaryExpr(20000, 2, [&] { return random.uniform(-1.25, 1.25); });

@@ -581,7 +581,7 @@ def draw_poses(ax, run):
     shown = [run.data.demonstrations[k] for k in run.data.train]
     all_positions = in_space(np.concatenate([motion.position for motion in shown + motions]))
     lower, upper = all_positions.min(0), all_positions.max(0)
-    length = 0.09 * np.max(upper - lower)
+    length = 0.13 * np.max(upper - lower)
     ax.add_collection(Line3DCollection([in_space(d.position) for d in shown], colors=TRAIN, linewidths=0.9, alpha=0.5))
     ax.add_collection(Line3DCollection([in_space(m.position) for m in motions], colors=ROLLOUT, linewidths=1.5))
     for motion in motions[:2]:
@@ -589,7 +589,7 @@ def draw_poses(ax, run):
     ax.plot(*in_space(run.data.goal[None]).T, marker="*", color=GOAL, markeredgecolor="black", markersize=13)
     middle, half = 0.5 * (lower + upper), 0.5 * np.max(upper - lower) + length
     ax.set(xlim=middle[0] + [-half, half], ylim=middle[1] + [-half, half], zlim=middle[2] + [-half, half])
-    ax.set_box_aspect((1, 1, 1), zoom=0.9)
+    ax.set_box_aspect((1, 1, 1), zoom=1.0)
     ax.set(xlabel=axis_label(run, 0), ylabel=axis_label(run, 1), zlabel=axis_label(run, 2) if run.dimension == 3 else "")
     ax.view_init(elev=24, azim=-58)
     ax.set_title("frames along the first two motions", fontsize=10)
