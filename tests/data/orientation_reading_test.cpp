@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "s2nnds/data/frame.h"
@@ -49,7 +50,7 @@ class OrientationReading : public testing::Test {
     ASSERT_EQ(q.rows(), 21);
     for (Eigen::Index i = 0; i < q.rows(); ++i) {
       EXPECT_NEAR(angle_between(q.row(i).transpose(), shown(static_cast<double>(i) / 20.0)), 0.0, 1e-7);
-      if (i > 0) EXPECT_GT(q.row(i).dot(q.row(i - 1)), 0.9);
+      EXPECT_GT(q.row(i).dot(q.row(std::max<Eigen::Index>(i - 1, 0))), 0.9);
     }
   }
 
@@ -68,7 +69,9 @@ TEST_F(OrientationReading, NamesTellTheOrder) {
 
 TEST_F(OrientationReading, NumberedColumnsNeedTheOrderOrTakeTheUsualOne) {
   DataOptions options;
-  options.columns = {.time = "0", .position = {"1", "2", "3"}, .quaternion = {"4", "5", "6", "7"}};
+  options.columns.time = "0";
+  options.columns.position = {"1", "2", "3"};
+  options.columns.quaternion = {"4", "5", "6", "7"};
   expect_shown(read("a.csv", rows(xyzw), options));
   options.quaternion_order = "wxyz";
   const DemonstrationSet set = read("b.csv", rows(wxyz), options);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/random.h"
 #include "s2nnds/data/orientation.h"
 
 namespace s2nnds {
