@@ -15,6 +15,8 @@
 namespace s2nnds {
 namespace {
 
+constexpr const char* kNotInvariant = "the motion of the position is not proved to be invariant";
+
 // With f in either precision of an exported header.
 ExecutionModel model_of(const PreparedRun& setup, const Certificate& certificate) {
   return execution_model(setup.config.execution, setup.data.frame, certificate.float32_error);
@@ -60,8 +62,7 @@ OrientationCertificate verify_orientation(const PreparedRun& setup, const RunRec
   OrientationCertificate found;
   if (!setup.data.frame.has_orientation()) return found;
   if (!record.orientation || !invariant) {
-    found.reason =
-        invariant ? "no law was fitted" : "the motion of the position is not proved to be invariant";
+    found.reason = invariant ? "no law was fitted" : kNotInvariant;
     return found;
   }
   const OrientationBound bound =
@@ -142,6 +143,7 @@ void keep_what_invariance_carries(RunRecord& record) {
   if (certificate.guarantee == Guarantee::invariant) return;
   certificate.disturbance_margin = certificate.convergence_radius = 0.0;
   certificate.execution = {};
+  if (certificate.orientation.proved) certificate.orientation = {.reason = kNotInvariant};
   record.pushes = {};
 }
 

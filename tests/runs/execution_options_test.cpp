@@ -165,6 +165,8 @@ TEST(ExecutionCertificate, FallsWithTheGuarantee) {
   found.verdict = Verdict::failed;
   found.violations = 1;
   record.certificate.conditions.push_back(found);
+  record.certificate.orientation.proved = true;
+  record.certificate.orientation.bound = 1.0;
   const PreparedRun setup = prepare(record);
   seal_certificate(setup, record);
   VerificationOptions options = setup.config.verification;
@@ -175,6 +177,9 @@ TEST(ExecutionCertificate, FallsWithTheGuarantee) {
   EXPECT_EQ(record.certificate.execution.model, "");
   EXPECT_FALSE(record.certificate.execution.invariant);
   EXPECT_FALSE(record.certificate.execution.shielded);
+  EXPECT_FALSE(record.certificate.orientation.proved);
+  EXPECT_EQ(record.certificate.orientation.bound, 0.0);
+  EXPECT_NE(record.certificate.orientation.reason, "");
   EXPECT_EQ(record.pushes.size(), 0);
   EXPECT_NO_THROW(check_certificate(record, "a test"));
 }
