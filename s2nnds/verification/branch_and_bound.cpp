@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
-#include <numeric>
+#include <cmath>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
@@ -14,6 +14,7 @@ namespace s2nnds {
 namespace {
 
 constexpr Eigen::Index batch_boxes = 128;
+constexpr double kTreeBytes = 10.0;  // a box examined, of a tree and of what is needed to write it
 
 struct Level {
   explicit Level(Points low, Points high)
@@ -34,45 +35,63 @@ struct Level {
 // Boxes that stay open, and the witnesses among them.
 class OpenBoxes {
  public:
-  void add(const Level& level, Eigen::Index row, bool refuted) {
-    boxes_.push_back(
-        {level.lower.row(row), level.upper.row(row), level.witness.row(row), level.violation(row), refuted});
-    refuted_ += refuted;
+  // Adds rows of the level, in this order.
+  void add(const Level& level, const std::vector<Eigen::Index>& rows) {
+    if (rows.empty()) return;
+    const std::size_t block = blocks_.size();
+    blocks_.push_back({level.lower(rows, Eigen::all), level.upper(rows, Eigen::all)});
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const Eigen::Index row = rows[i], at = static_cast<Eigen::Index>(i);
+      volume_ += (level.upper.row(row) - level.lower.row(row)).prod();
+      if (level.status[static_cast<std::size_t>(row)] == BoxStatus::refuted)
+        refuted_.push_back({{block, at}, level.witness.row(row), level.violation(row)});
+      else
+        others_.push_back({block, at});
+    }
   }
-  std::int64_t refuted() const { return refuted_; }
-  std::int64_t others() const { return static_cast<std::int64_t>(boxes_.size()) - refuted_; }
+  std::int64_t count() const { return refuted() + others(); }
+  std::int64_t refuted() const { return std::ssize(refuted_); }
+  std::int64_t others() const { return std::ssize(others_); }
 
   void report(std::int64_t kept, BranchResult& result) {
     const Eigen::Index n = result.open_lower.cols();
-    result.open_boxes = static_cast<std::int64_t>(boxes_.size());
-    for (const Open& box : boxes_) result.open_volume += (box.upper - box.lower).prod();
+    result.open_boxes = count();
+    result.open_volume = volume_;
     // Refuted ones first, the worst leading; of too many others an even selection.
-    std::stable_sort(boxes_.begin(), boxes_.end(), [](const Open& a, const Open& b) {
-      return a.refuted != b.refuted ? a.refuted : a.violation > b.violation;
-    });
-    const std::int64_t count = std::min(kept, result.open_boxes);
-    const std::int64_t certain = std::min(count, refuted_), rest = count - certain;
-    result.open_lower.resize(count, n);
-    result.open_upper.resize(count, n);
+    std::stable_sort(refuted_.begin(), refuted_.end(),
+                     [](const Refuted& a, const Refuted& b) { return a.violation > b.violation; });
+    const std::int64_t all = std::min(kept, count());
+    const std::int64_t certain = std::min(all, refuted()), rest = all - certain;
+    result.open_lower.resize(all, n);
+    result.open_upper.resize(all, n);
     result.witnesses.resize(certain, n);
-    for (std::int64_t i = 0; i < count; ++i) {
-      const std::int64_t at =
-          i < certain ? i : refuted_ + (i - certain) * (result.open_boxes - refuted_) / rest;
-      result.open_lower.row(i) = boxes_[at].lower;
-      result.open_upper.row(i) = boxes_[at].upper;
-      if (i < certain) result.witnesses.row(i) = boxes_[at].witness;
+    for (std::int64_t i = 0; i < all; ++i) {
+      const Place place = i < certain ? refuted_[static_cast<std::size_t>(i)].place
+                                      : others_[static_cast<std::size_t>((i - certain) * others() / rest)];
+      result.open_lower.row(i) = blocks_[place.block].lower.row(place.row);
+      result.open_upper.row(i) = blocks_[place.block].upper.row(place.row);
+      if (i < certain) result.witnesses.row(i) = refuted_[static_cast<std::size_t>(i)].witness;
     }
-    if (certain > 0) result.worst = boxes_.front().violation;
+    if (certain > 0) result.worst = refuted_.front().violation;
   }
 
  private:
-  struct Open {
-    Eigen::RowVectorXd lower, upper, witness;
-    double violation;
-    bool refuted;
+  struct Block {
+    Points lower, upper;  // [k, n] of one level
   };
-  std::vector<Open> boxes_;
-  std::int64_t refuted_ = 0;
+  struct Place {
+    std::size_t block;
+    Eigen::Index row;
+  };
+  struct Refuted {
+    Place place;
+    Eigen::RowVectorXd witness;
+    double violation;
+  };
+  std::vector<Block> blocks_;
+  std::vector<Refuted> refuted_;
+  std::vector<Place> others_;
+  double volume_ = 0.0;
 };
 
 // Examines all boxes of the level; what the time limit leaves out stays undecided. Returns how many were
@@ -123,10 +142,26 @@ std::vector<std::int8_t> as_recorded(const Level& level) {
   return boxes;
 }
 
+// How many parts the undecided boxes are to be cut into; a double, which cannot overflow.
+double parts_of(const Level& level, const std::vector<Eigen::Index>& rows) {
+  double count = 0.0;
+  for (Eigen::Index row : rows) count += std::exp2(level.cuts[static_cast<std::size_t>(row)]);
+  return count;
+}
+
+// Bytes at most while a level of so many parts stands beside this one, should all of it stay open and be refuted.
+double bytes_of(const Level& level, double parts, const OpenBoxes& open) {
+  // Numbers of 8 bytes; lists grow by doubling, so that three times as much stands there at times.
+  const auto n = static_cast<double>(level.lower.cols());
+  const double examined = 3.0 * n + 6.0;             // corners, witness, the rest and places in two lists
+  const double left_open = 2.0 * n + n + 3.0 * 6.0;  // corners, witness and places
+  return sizeof(double) * ((static_cast<double>(level.lower.rows()) + parts) * examined +
+                           (static_cast<double>(open.count()) + parts) * left_open);
+}
+
 // The parts of the undecided boxes.
 Level next_level(const Level& level, const std::vector<Eigen::Index>& rows) {
-  Eigen::Index count = 0;
-  for (Eigen::Index row : rows) count += Eigen::Index(1) << level.cuts[static_cast<std::size_t>(row)];
+  const auto count = static_cast<Eigen::Index>(parts_of(level, rows));
   Points lower(count, level.lower.cols()), upper(count, level.lower.cols());
   Eigen::Index first = 0;
   for (Eigen::Index row : rows) {
@@ -166,7 +201,7 @@ BranchResult branch_and_bound(Points lower, Points upper,
                       open.others() >= limits.max_abandoned || !(left > 0.0);
     result.stopped = result.stopped || stop;
     if (!stop) result.boxes += examine(level, examiners, left);
-    std::vector<Eigen::Index> undecided;
+    std::vector<Eigen::Index> undecided, left_open;
     for (Eigen::Index row = 0; row < level.lower.rows(); ++row) {
       const BoxStatus status = level.status[static_cast<std::size_t>(row)];
       if (status == BoxStatus::undecided && !stop) {
@@ -175,8 +210,15 @@ BranchResult branch_and_bound(Points lower, Points upper,
       }
       if (status == BoxStatus::refuted || status == BoxStatus::abandoned ||
           (status == BoxStatus::undecided && stop)) {
-        open.add(level, row, status == BoxStatus::refuted);
+        left_open.push_back(row);
       }
+    }
+    open.add(level, left_open);
+    const double tree = limits.keep_tree ? kTreeBytes * static_cast<double>(result.boxes) : 0.0;
+    if (bytes_of(level, parts_of(level, undecided), open) + tree > limits.max_bytes) {
+      result.stopped = true;
+      open.add(level, undecided);
+      undecided.clear();
     }
     if (open.refuted() == 0) before_refuted = result.boxes;
     if (progress) {

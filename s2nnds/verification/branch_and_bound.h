@@ -21,6 +21,9 @@ struct BranchLimits {
   std::int64_t max_after_refuted = 100000;
   // Stop once so many boxes were abandoned.
   std::int64_t max_abandoned = std::numeric_limits<std::int64_t>::max();
+  // Stop once the boxes of a level, those that it is to be cut into and all open ones would take more bytes. The limit is
+  // far beyond what proofs in two and three dimensions take, and leaves room for the rest of a program below 4 GiB.
+  double max_bytes = 2147483648.0;
   std::int64_t kept_boxes = 10000;  // open boxes that are returned, at most
   double max_seconds = 600.0;       // wall clock, > 0; boxes not examined by then are left open
   bool keep_tree = false;           // whether BranchResult::tree is filled

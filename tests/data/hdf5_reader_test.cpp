@@ -109,8 +109,10 @@ TEST_F(Hdf5Demonstrations, ReadsDataSetsByTheirPaths) {
   put("/log/run_2/arm/v", velocity_);
   close();
   TableOptions options;
-  options.columns = {
-      .time = "stamp", .position = {"arm/x", "arm/yz"}, .velocity = {"arm/v"}, .index = "/log"};
+  options.columns.time = "stamp";
+  options.columns.position = {"arm/x", "arm/yz"};
+  options.columns.velocity = {"arm/v"};
+  options.columns.index = "/log";
   const Recording r = read_hdf5(path_, options).recordings.at(0);
   EXPECT_EQ(r.time, time_.col(0));
   EXPECT_EQ(r.time_column, "stamp");

@@ -110,6 +110,23 @@ TEST(BranchAndBound, StopsSoManyBoxesAfterTheFirstRefutedOne) {
   EXPECT_NEAR(result.open_volume, 1.0, 1e-12);
 }
 
+// Limits on boxes alone do not bound a level: one box may ask for more parts than there is room for.
+TEST(BranchAndBound, StopsBeforeBoxesTakeMoreMemoryThanAllowed) {
+  BranchLimits limits;
+  limits.max_bytes = 1e6;
+  const BranchResult few = cut(1, limits, 1e-9);
+  EXPECT_TRUE(few.stopped);
+  EXPECT_FALSE(few.proved);
+  EXPECT_NEAR(few.open_volume, 1.0, 1e-12);
+  EXPECT_GT(few.boxes, 1000);
+  EXPECT_LT(few.boxes, 10000);
+  const BranchResult none = cut(40, {}, 1e-9);  // 2^40 parts
+  EXPECT_TRUE(none.stopped);
+  EXPECT_EQ(none.boxes, 1);
+  EXPECT_EQ(none.open_boxes, 1);
+  EXPECT_NEAR(none.open_volume, 1.0, 1e-12);
+}
+
 TEST(BranchAndBound, NoCutAtAllIsAnError) { EXPECT_ANY_THROW(cut(0, {})); }
 
 }  // namespace
