@@ -23,12 +23,13 @@ struct Level {
         status(static_cast<std::size_t>(lower.rows()), BoxStatus::undecided),
         witness(Points::Zero(lower.rows(), lower.cols())),
         violation(Vector::Zero(lower.rows())),
+        carried(Vector::Constant(lower.rows(), std::numeric_limits<double>::infinity())),
         cuts(static_cast<std::size_t>(lower.rows()), 1) {}
 
   Points lower, upper;
   std::vector<BoxStatus> status;
   Points witness;
-  Vector violation;
+  Vector violation, carried;
   std::vector<std::int32_t> cuts;
 };
 
@@ -107,7 +108,8 @@ std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& ex
     const StandardFloatingPoint mode;
     const Eigen::Index first = b * batch_boxes;
     BoxBatch batch = {level.lower,  level.upper,   first,           std::min(batch_boxes, count - first),
-                      level.status, level.witness, level.violation, level.cuts};
+                      level.status, level.witness, level.violation, level.carried,
+                      level.cuts};
     examiners.at(static_cast<std::size_t>(worker))->examine(batch);
     examined += batch.count;
     if (watch.seconds() > seconds_left) stop = true;
@@ -163,15 +165,19 @@ double bytes_of(const Level& level, double parts, const OpenBoxes& open) {
 Level next_level(const Level& level, const std::vector<Eigen::Index>& rows) {
   const auto count = static_cast<Eigen::Index>(parts_of(level, rows));
   Points lower(count, level.lower.cols()), upper(count, level.lower.cols());
+  Vector carried(count);
   Eigen::Index first = 0;
   for (Eigen::Index row : rows) {
     const std::int32_t cuts = level.cuts[static_cast<std::size_t>(row)];
     lower.row(first) = level.lower.row(row);
     upper.row(first) = level.upper.row(row);
     bisect(lower, upper, first, cuts);
+    carried.segment(first, Eigen::Index(1) << cuts).setConstant(level.carried(row));
     first += Eigen::Index(1) << cuts;
   }
-  return Level(std::move(lower), std::move(upper));
+  Level next(std::move(lower), std::move(upper));
+  next.carried = std::move(carried);
+  return next;
 }
 
 }  // namespace

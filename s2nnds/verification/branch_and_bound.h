@@ -48,6 +48,8 @@ struct BoxBatch {
   std::vector<BoxStatus>& status;  // [N]
   Points& witness;                 // [N, n] where refuted
   Vector& violation;               // [N] by how much, where refuted
+  // [N] a number that a box leaves to its parts: what was left to it, +infinity at the start, unless changed.
+  Vector& carried;
   // [N] how often to bisect where undecided, at least 1: more than once where the halves are hopeless as
   // well, since looking at them would cost as much as looking at what can be proved.
   std::vector<std::int32_t>& cuts;
@@ -57,7 +59,7 @@ struct BoxBatch {
 class BoxExaminer {
  public:
   virtual ~BoxExaminer() = default;
-  // Fills in status, witness, violation and cuts of the batch's rows, and of no others.
+  // Fills in status, witness, violation, carried and cuts of the batch's rows, and of no others.
   virtual void examine(BoxBatch& batch) = 0;
 };
 

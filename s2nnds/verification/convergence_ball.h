@@ -31,7 +31,7 @@ class BoundedPerturbation final : public Perturbation {
 // The ball around the goal that motions xdot = f(x) + delta converge to.
 struct ConvergenceBall {
   // Outside of a sublevel set of V whose part in {B <= 0} lies in |x|_2 <= radius, grad V . (f + delta) < 0 in
-  // {B <= 0}. Infinite if that cannot be shown.
+  // {B <= 0}. Infinite if that cannot be shown, or only for a ball that is as wide as the workspace.
   double radius = 0.0;
   std::int64_t boxes = 0;  // examined
 };

@@ -56,7 +56,7 @@ class BarrierExaminer final : public TileExaminer {
       : TileExaminer(functions, resolution), disturbance_(disturbance), cover_(cover) {}
 
  private:
-  void evaluate() override {
+  void look(int) override {
     const TileForm& value = barrier_.value(tile_);
     meets_ = !((value.lower(tile_) > 0.0) || (value.upper(tile_) < 0.0));
     if (!meets_.any()) return;
@@ -66,14 +66,13 @@ class BarrierExaminer final : public TileExaminer {
     gradient_.setConstant(infinity);
     if ((meets_ && rate_ < 0.0).any()) gradient_ = gradient_norm(barrier_, tile_);
   }
-  BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd& lower, const Eigen::RowVectorXd& upper,
-                  bool narrow) override {
-    if (!meets_(lane)) return BoxStatus::proved;
-    LevelSetCover::Member member = {lower, upper, rate_(lane), gradient_(lane)};
+  std::optional<BoxStatus> judge(int, const Lane& lane) override {
+    if (!meets_(lane.at)) return BoxStatus::proved;
+    LevelSetCover::Member member = {lane.lower, lane.upper, rate_(lane.at), gradient_(lane.at)};
     if (!member.withstands(disturbance_)) {
-      return narrow || is_hopeless(lane) ? BoxStatus::abandoned : BoxStatus::undecided;
+      return lane.narrow || is_hopeless(lane.at) ? BoxStatus::abandoned : BoxStatus::undecided;
     }
-    cover_.weakest = std::max(cover_.weakest, center_rate_(lane) / gradient_(lane));
+    cover_.weakest = std::max(cover_.weakest, center_rate_(lane.at) / gradient_(lane.at));
     cover_.members.push_back(std::move(member));
     return BoxStatus::proved;
   }

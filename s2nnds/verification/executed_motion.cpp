@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/verification/executed_motion.h"
 
-#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -10,6 +9,7 @@
 #include "s2nnds/verification/convergence_ball.h"
 #include "s2nnds/verification/rounding.h"
 #include "s2nnds/verification/standard_floating_point.h"
+#include "s2nnds/verification/supremum.h"
 #include "s2nnds/verification/tile_examiner.h"
 
 namespace s2nnds {
@@ -21,8 +21,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double level_resolution = 1e-4;
 constexpr std::int64_t most_boxes = 500000;
 constexpr double most_seconds = 60.0;
-// Cells of the cover on which bounds for the whole safe set are taken.
-constexpr double cover_cells = 4096.0;
 
 // |value - middle| <= radius, for each of some numbers.
 struct TileIntervals {
@@ -132,66 +130,31 @@ struct ExecutionBounds {
   }
 };
 
-// Calls visit(tile) for cells that cover the part of the workspace where B <= 0 may hold.
-template <typename Visit>
-void for_cells(const ProofFunctions& functions, const Box& box, const Visit& visit) {
-  const Eigen::Index n = box.dimension();
-  const auto side = static_cast<Eigen::Index>(
-      std::max(2.0, std::floor(std::pow(cover_cells, 1.0 / static_cast<double>(n)))));
-  Eigen::Index cells = 1;
-  for (Eigen::Index d = 0; d < n; ++d) cells *= side;
-  const auto edge = [&](Eigen::Index d, Eigen::Index k) {  // neighbours share it
-    if (k == side) return box.upper(d);
-    return box.lower(d) +
-           (box.upper(d) - box.lower(d)) * (static_cast<double>(k) / static_cast<double>(side));
-  };
-  BoxTile tile(n);
-  ScalarEnclosure barrier(*functions.B, nullptr);
-  for (Eigen::Index first = 0; first < cells; first += tile_boxes) {
-    const Eigen::Index count = std::min<Eigen::Index>(tile_boxes, cells - first);
-    Points lower(count, n), upper(count, n);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      for (Eigen::Index d = 0, rest = first + i; d < n; ++d, rest /= side) {
-        lower(i, d) = edge(d, rest % side);
-        upper(i, d) = edge(d, rest % side + 1);
-      }
-    }
-    tile.assign(lower, upper, 0, count);
-    const TileRow low = barrier.value(tile).lower(tile);
-    if ((low > 0.0).all()) continue;
-    visit(tile, low);
-  }
-}
-
-// The largest of `values` where B may be <= 0; NaN counts as infinite.
-double largest(const TileRow& values, const TileRow& barrier_low) {
-  double found = 0.0;
-  for (Eigen::Index lane = 0; lane < tile_boxes; ++lane) {
-    if (barrier_low(lane) > 0.0) continue;
-    found = std::max(found, std::isnan(values(lane)) ? infinity : values(lane));
-  }
-  return found;
-}
-
 ExecutionBounds bounds_of(const ProofFunctions& functions, const SafetyProblem& problem,
                           const ExecutionModel& model) {
   ExecutionBounds bounds{.model = model};
-  FieldEnclosure field(*functions.f);
-  for_cells(functions, problem.workspace, [&](const BoxTile& tile, const TileRow& low) {
+  // Over {B <= 0}.
+  const auto largest = [&](auto size) {
+    return supremum(functions, problem.workspace, BarrierSet::inside, [&functions, size]() -> TileSize {
+      return [field = std::make_shared<FieldEnclosure>(*functions.f), size](const BoxTile& tile) {
+        return size(*field, tile);
+      };
+    });
+  };
+  const double speed = largest([&](FieldEnclosure& field, const BoxTile& tile) {
     field.evaluate_value(grown(tile, model.position_error));
-    bounds.field = std::max(bounds.field, largest(field.value.norm(), low));
+    return field.value.norm();
   });
-  bounds.field = (bounds.field + model.field_error) * slack;
+  bounds.field = (speed + model.field_error) * slack;
   bounds.most_command = model.most_speed * bounds.field * slack;
   bounds.most_rate =
       (bounds.most_command * (1.0 + model.velocity_error_relative) + model.velocity_error) * slack;
   bounds.reach = (model.position_error + 2.0 * model.window() * bounds.most_rate) * slack;
   if (!(model.lag > 0.0)) return bounds;
   // lag edot = (u - speed f(x)) - e - lag speed J_f(x) xdot for e = v - speed f(x).
-  double steepest = 0.0;
-  for_cells(functions, problem.workspace, [&](const BoxTile& tile, const TileRow& low) {
+  const double steepest = largest([&](FieldEnclosure& field, const BoxTile& tile) {
     field.evaluate_jacobian(grown(tile, bounds.reach));
-    steepest = std::max(steepest, largest(field.jacobian.norm(), low));
+    return field.jacobian.norm();
   });
   bounds.lag_error = (steepest * (model.position_error + (model.window() + model.lag) * bounds.most_rate) +
                       model.field_error) *
@@ -214,32 +177,39 @@ class ExecutionPerturbation final : public Perturbation {
       return norm * ((bounds_.lag_error + bounds_.noise(bounds_.field)) * slack) * slack;
     }
     const BoxTile around = grown(tile, bounds_.reach);
-    field_.evaluate_value(around);
-    field_.evaluate_jacobian(around);
-    const TileIntervals pulled = pull_back(gradient);
-    const TileRow pulled_norm = pulled.norm(), speed = field_.value.norm();
-    if (arbitrary_) {
-      const double distance = (model.position_error + model.window() * bounds_.most_rate) * slack;
-      return (pulled_norm * distance + norm * bounds_.noise(bounds_.field)) * slack;
-    }
-    // |w| / speed and |w| on the way, and p . f: f(y) - f(x) = J (error of the reading - what was moved
-    // since).
-    const TileRow command = speed + model.field_error;  // |u| / speed
+    const TileRow command = command_size(around);
     const TileRow noise = model.velocity_error / model.least_speed + model.velocity_error_relative * command +
                           model.field_error;
+    TileRow sum = norm * noise;
+    if (model.displaces()) sum += displacement_work(gradient, command, around);
+    return sum * slack * slack + underflow;
+  }
+
+ private:
+  // Above |u| / speed; 0 where it does not matter.
+  TileRow command_size(const BoxTile& around) {
+    if (arbitrary_) return TileRow(TileRow::Constant(bounds_.field));
+    if (!bounds_.model.displaces() && !(bounds_.model.velocity_error_relative > 0.0)) return {};
+    field_.evaluate_value(around);
+    return field_.value.norm() + bounds_.model.field_error;
+  }
+  // f(y) - f(x) = J (error of the reading - what was moved since), with p = J' grad:
+  // |p| position_error + window (most_speed |p . f| + |p| |w|), |w| on the way.
+  TileRow displacement_work(const TileIntervals& gradient, const TileRow& command, const BoxTile& around) {
+    const ExecutionModel& model = bounds_.model;
+    field_.evaluate_jacobian(around);
+    const TileIntervals pulled = pull_back(gradient);
+    if (arbitrary_)
+      return pulled.norm() * ((model.position_error + model.window() * bounds_.most_rate) * slack);
     const TileRow rate_noise =
         model.velocity_error +
         model.most_speed * (model.velocity_error_relative * command + model.field_error);
     ProductSum along;
-    for (Eigen::Index j = 0; j < tile.dimension(); ++j)
+    for (Eigen::Index j = 0; j < around.dimension(); ++j)
       along.add(pulled.middle[j], pulled.radius[j], field_.value.middle[j], field_.value.radius[j]);
-    const TileRow moved = model.most_speed * along.size() + pulled_norm * rate_noise;
-    return (pulled_norm * model.position_error + model.window() * moved * slack + norm * noise) * slack *
-               slack +
-           underflow;
+    const TileRow moved = model.most_speed * along.size() + pulled.norm() * rate_noise;
+    return pulled.norm() * model.position_error + model.window() * moved * slack;
   }
-
- private:
   // grad' J.
   TileIntervals pull_back(const TileIntervals& gradient) const {
     const auto n = static_cast<Eigen::Index>(gradient.middle.size());
@@ -260,20 +230,13 @@ class ExecutionPerturbation final : public Perturbation {
   FieldEnclosure field_;
 };
 
-// What a shield has to know of B around {B = 0}.
-struct LevelSetVariation {
-  double distance = 0.0;  // of a reading from the place, at most
-  std::atomic<double> value = 0.0, gradient = 0.0;
-};
-
 // grad B . (f + delta) < 0 wherever B = 0.
 class LevelSetExaminer final : public TileExaminer {
  public:
   LevelSetExaminer(const ProofFunctions& functions, double resolution,
-                   std::unique_ptr<Perturbation> perturbation, LevelSetVariation* variation)
+                   std::unique_ptr<Perturbation> perturbation)
       : TileExaminer(functions, resolution),
         perturbation_(std::move(perturbation)),
-        variation_(variation),
         hopeless_width_(hopeless_boxes * resolution) {}
 
  private:
@@ -281,50 +244,36 @@ class LevelSetExaminer final : public TileExaminer {
   // unless {B = 0} misses them. Giving up too early costs a certificate, never its truth.
   static constexpr double small = 0.03, hopeless_boxes = 40.0;
 
-  void evaluate() override {
-    const TileForm& value = barrier_.value(tile_);
-    meets_ = !((value.lower(tile_) > 0.0) || (value.upper(tile_) < 0.0));
-    if (!meets_.any()) return;
-    const TileForm& form = barrier_.lie_derivative(tile_);
-    const TileRow rate = form.upper(tile_);
-    spread_ = rate - form.value;
-    rate_ = rate;
-    hopeless_.setConstant(false);
-    if (!(meets_ && rate < 0.0).any()) return;
-    const TileRow work = perturbation_->work(barrier_, tile_) * slack;
-    hopeless_ = spread_ < small * rate.abs() && rate - spread_ + (1.0 - small) * work > 0.0;
-    rate_ += work;
-    if (variation_ != nullptr && (meets_ && rate_ < -1e-300).any()) find_variation();
+  // B, the rate along f, and at last, where that falls, what the perturbation adds.
+  void look(int count) override {
+    if (count == 0) {
+      const TileForm& form = barrier_.value(tile_);
+      meets_ = !((form.lower(tile_) > 0.0) || (form.upper(tile_) < 0.0));
+    } else if (count == 1) {
+      const TileForm& form = barrier_.lie_derivative(tile_);
+      rate() = form.upper(tile_);
+      central_rate() = form.value;
+      cut_for(form);
+    } else {
+      const TileRow own = perturbation_->work(barrier_, tile_) * slack;
+      carried_ = (own < carried_).select(own, carried_);
+      hopeless_ =
+          rate() - central_rate() < small * rate().abs() && central_rate() + (1.0 - small) * own > 0.0;
+    }
   }
-  void find_variation() {
-    const BoxTile around = grown(tile_, variation_->distance);
-    value_change_ = barrier_.value(around).variation(around, variation_->distance);
-    TileRow sum;
-    for (Eigen::Index d = 0; d < tile_.dimension(); ++d) {
-      sum += barrier_.partial_derivative(around, d).variation(around, variation_->distance).square();
-    }
-    gradient_change_ = sum.sqrt() * slack;
-  }
-  BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd& lower, const Eigen::RowVectorXd& upper,
-                  bool narrow) override {
-    if (!meets_(lane)) return BoxStatus::proved;
-    if (!(rate_(lane) < -1e-300)) {
-      const bool small_enough = (upper - lower).maxCoeff() <= hopeless_width_;
-      return narrow || (small_enough && hopeless_(lane)) ? BoxStatus::abandoned : BoxStatus::undecided;
-    }
-    if (variation_ != nullptr) {
-      // On wide boxes the variation would be that of the box.
-      const double wide = std::max(2.0 * variation_->distance, hopeless_width_);
-      if (!((upper - lower).maxCoeff() <= wide)) return BoxStatus::undecided;
-      raise_to(variation_->value, value_change_(lane));
-      raise_to(variation_->gradient, gradient_change_(lane));
-    }
-    return BoxStatus::proved;
+  std::optional<BoxStatus> judge(int count, const Lane& lane) override {
+    const Eigen::Index at = lane.at;
+    if (count == 0) return meets_(at) ? std::nullopt : std::optional(BoxStatus::proved);
+    if (rate()(at) + carried_(at) * slack < -1e-300) return BoxStatus::proved;
+    if (count == 1 && rate()(at) < 0.0) return std::nullopt;
+    const bool hopeless = count > 1 && hopeless_(at) && lane.width() <= hopeless_width_;
+    return lane.narrow || hopeless ? BoxStatus::abandoned : BoxStatus::undecided;
   }
 
+  TileRow& rate() { return noted_[0]; }
+  TileRow& central_rate() { return noted_[1]; }
+
   std::unique_ptr<Perturbation> perturbation_;
-  LevelSetVariation* variation_;
-  TileRow rate_, spread_, value_change_, gradient_change_;
   Eigen::Array<bool, tile_boxes, 1> meets_, hopeless_;
   double hopeless_width_;
 };
@@ -368,13 +317,12 @@ BranchLimits level_set_limits(std::int64_t kept_boxes = 0) {
 }
 
 BranchResult examine_level_set(const ProofFunctions& functions, const SafetyProblem& problem,
-                               const PerturbationFactory& perturbation, LevelSetVariation* variation,
-                               std::int64_t kept_boxes = 0) {
+                               const PerturbationFactory& perturbation, std::int64_t kept_boxes = 0) {
   const Box& workspace = problem.workspace;
   const double resolution = level_resolution * (workspace.upper - workspace.lower).maxCoeff();
   return branch_and_bound(
       workspace.lower.transpose(), workspace.upper.transpose(),
-      [&] { return std::make_unique<LevelSetExaminer>(functions, resolution, perturbation(), variation); },
+      [&] { return std::make_unique<LevelSetExaminer>(functions, resolution, perturbation()); },
       level_set_limits(kept_boxes));
 }
 
@@ -385,6 +333,24 @@ PerturbationFactory perturbations(const ProofFunctions& functions, const Executi
   };
 }
 
+enum class BarrierQuantity { value, gradient };
+
+// Above how far B or its gradient changes from a place where B = 0 to any within the distance.
+double largest_change(const ProofFunctions& functions, const Box& workspace, double distance,
+                      BarrierQuantity quantity) {
+  if (!(distance > 0.0)) return 0.0;
+  return supremum(functions, workspace, BarrierSet::level_set, [&]() -> TileSize {
+    return [=, barrier = std::make_shared<ScalarEnclosure>(*functions.B, nullptr)](const BoxTile& tile) {
+      const BoxTile around = grown(tile, distance);
+      if (quantity == BarrierQuantity::value) return barrier->value(around).variation(around, distance);
+      TileRow sum;
+      for (Eigen::Index d = 0; d < tile.dimension(); ++d)
+        sum += barrier->partial_derivative(around, d).variation(around, distance).square();
+      return TileRow(sum.sqrt() * slack);
+    };
+  });
+}
+
 // Whether all speed factors from `least` to `most` are certified; most_command is raised to that of `most`.
 bool certifies(const ProofFunctions& functions, const SafetyProblem& problem, ExecutionModel model,
                double least, double most, double& most_command) {
@@ -392,8 +358,7 @@ bool certifies(const ProofFunctions& functions, const SafetyProblem& problem, Ex
   model.most_speed = most;
   const ExecutionBounds bounds = bounds_of(functions, problem, model);
   if (!beyond_range(functions, problem.workspace, bounds).empty()) return false;
-  if (!examine_level_set(functions, problem, perturbations(functions, bounds, false), nullptr).proved)
-    return false;
+  if (!examine_level_set(functions, problem, perturbations(functions, bounds, false)).proved) return false;
   most_command = std::max(most_command, bounds.most_command);
   return true;
 }
@@ -411,7 +376,7 @@ ExecutedMotion prove_executed(const ProofFunctions& functions, const SafetyProbl
   result.reason = beyond_range(functions, problem.workspace, bounds);
   if (result.reason.empty()) {
     const PerturbationFactory perturbation = perturbations(functions, bounds, false);
-    const BranchResult level_set = examine_level_set(functions, problem, perturbation, nullptr);
+    const BranchResult level_set = examine_level_set(functions, problem, perturbation);
     result.invariant = level_set.proved;
     result.boxes = level_set.boxes;
     if (result.invariant) {
@@ -439,7 +404,7 @@ BranchResult prove_executed_invariance(const ProofFunctions& functions, const Sa
     open.open_upper = problem.workspace.upper.transpose();
     return open;
   }
-  return examine_level_set(functions, problem, perturbations(functions, bounds, false), nullptr, kept_boxes);
+  return examine_level_set(functions, problem, perturbations(functions, bounds, false), kept_boxes);
 }
 
 SpeedRange certified_speeds(const ProofFunctions& functions, const SafetyProblem& problem,
@@ -488,14 +453,11 @@ Shield prove_shield(const ProofFunctions& functions, const SafetyProblem& proble
   Shield shield;
   const ExecutionBounds bounds = bounds_of(functions, problem, model);
   if (model.lag > 0.0 || !beyond_range(functions, problem.workspace, bounds).empty()) return shield;
-  LevelSetVariation variation;
-  variation.distance = (model.position_error + model.window() * bounds.most_rate) * slack;
-  const BranchResult found =
-      examine_level_set(functions, problem, perturbations(functions, bounds, true), &variation);
-  shield.certified = found.proved && variation.value < infinity && variation.gradient < infinity;
-  if (!shield.certified) return shield;
-  shield.band = variation.value;
-  shield.cone = variation.gradient;
+  if (!examine_level_set(functions, problem, perturbations(functions, bounds, true)).proved) return shield;
+  const double distance = (model.position_error + model.window() * bounds.most_rate) * slack;
+  shield.band = largest_change(functions, problem.workspace, distance, BarrierQuantity::value);
+  shield.cone = largest_change(functions, problem.workspace, distance, BarrierQuantity::gradient);
+  shield.certified = shield.band < infinity && shield.cone < infinity;
   shield.most_command = bounds.most_command;
   return shield;
 }

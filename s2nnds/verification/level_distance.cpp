@@ -25,15 +25,14 @@ class CoverExaminer final : public TileExaminer {
       : TileExaminer(functions, resolution), cover_(cover) {}
 
  private:
-  void evaluate() override {
+  void look(int) override {
     const TileForm& value = barrier_.value(tile_);
     meets_ = !((value.lower(tile_) > 0.0) || (value.upper(tile_) < 0.0));
   }
-  BoxStatus judge(Eigen::Index lane, const Eigen::RowVectorXd& lower, const Eigen::RowVectorXd& upper,
-                  bool narrow) override {
-    if (!meets_(lane)) return BoxStatus::proved;
-    if (!narrow) return BoxStatus::undecided;
-    cover_.push_back({lower.transpose(), upper.transpose()});
+  std::optional<BoxStatus> judge(int, const Lane& lane) override {
+    if (!meets_(lane.at)) return BoxStatus::proved;
+    if (!lane.narrow) return BoxStatus::undecided;
+    cover_.push_back({lane.lower.transpose(), lane.upper.transpose()});
     return BoxStatus::proved;
   }
 

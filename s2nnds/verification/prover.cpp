@@ -69,7 +69,7 @@ class ConditionExaminer final : public BoxExaminer {
           batch.status[row] = BoxStatus::proved;
         } else {
           const auto at = static_cast<Eigen::Index>(lane);
-          batch.cuts[row] = useful_cuts(best(at) + form.remainder(at), form.remainder(at));
+          batch.cuts[row] = useful_cuts(tile_.dimension(), best(at) + form.remainder(at), form.remainder(at));
           consider(batch, row, form, at, candidates);
         }
       }
@@ -90,19 +90,6 @@ class ConditionExaminer final : public BoxExaminer {
   // For the largest residual of a box. NaN does not hold.
   bool holds(double residual) const {
     return allows_zero(statement_.condition) ? residual <= 0.0 : residual < 0.0;
-  }
-
-  // A part of the box is hopeless while its remainder alone exceeds what the polynomial offers at best. A cut
-  // multiplies a remainder of third order by shrink or so; parts that turn out provable earlier cost little.
-  std::int32_t useful_cuts(double least_polynomial, double remainder) const {
-    constexpr std::int32_t most = 6;
-    const double n = static_cast<double>(tile_.dimension()), shrink = 0.7 * std::pow((n - 0.5) / n, 3);
-    std::int32_t cuts = 1;
-    for (double left = shrink * remainder; cuts < most && least_polynomial < 0.0 && left > -least_polynomial;
-         left *= shrink) {
-      ++cuts;
-    }
-    return cuts;
   }
 
   const TileForm& evaluate() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -110,6 +111,10 @@ struct TileForm {
  private:
   TileRow bound(const BoxTile& tile, double sign) const;
 };
+
+// How often to bisect a box of R^n before the next look, where a form's upper bound is not negative yet, from the least
+// value of its polynomial and its remainder: at least once.
+std::int32_t useful_cuts(Eigen::Index n, double least_polynomial, double remainder);
 
 // A function R^n -> R^m that can be enclosed by Taylor models over tiles of boxes, in exact arithmetic with
 // every rounding covered: a network, a polynomial. Compositions are expanded by a forward and a backward
