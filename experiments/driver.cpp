@@ -78,19 +78,27 @@ void check_data(const Sweep& sweep, const Arguments& arguments) {
   }
 }
 
+// Runs what has not ended yet. With --finished nothing, so that trials may be missing.
+std::vector<TrialResult> results_of(const Sweep& sweep, const SweepFolder& folder,
+                                    const Arguments& arguments) {
+  const SweepState state = read_state(sweep, folder);
+  if (arguments.finished) return state.results;
+  program::forget_failed(folder, state);
+  const int cores = available_cores(), jobs = arguments.jobs > 0 ? arguments.jobs : cores;
+  const fs::path beside = fs::path(executable_path()).parent_path() / "s2nnds";
+  const auto ended =
+      program::run_sweep(sweep, folder, {beside, arguments.data, std::max(1, cores / jobs), jobs});
+  check(ended.has_value(), "interrupted; the same command goes on");
+  return ended->results;
+}
+
 std::vector<Run> run_all(const Driver& driver, const Arguments& arguments) {
   const Sweep sweep = sweep_of(driver, arguments);
   const SweepFolder folder(arguments.out);
   check_data(sweep, arguments);
   folder.freeze(sweep);
-  program::forget_failed(folder, read_state(sweep, folder));
-  const int cores = available_cores(), jobs = arguments.jobs > 0 ? arguments.jobs : cores;
-  const fs::path beside = fs::path(executable_path()).parent_path() / "s2nnds";
-  const auto state =
-      program::run_sweep(sweep, folder, {beside, arguments.data, std::max(1, cores / jobs), jobs});
-  check(state.has_value(), "interrupted; the same command goes on");
   std::vector<Run> runs;
-  for (const TrialResult& result : state->results) {
+  for (const TrialResult& result : results_of(sweep, folder, arguments)) {
     const Trial trial = sweep.trial(result.trial);
     const std::string label = sweep.label(trial), path = folder.run(result.trial);
     check(!result.failed, "{}: {}", label, result.error);
@@ -134,6 +142,7 @@ int run_driver(int argc, char** argv, const Driver& driver) {
   app.add_option("--seeds", arguments.seeds, "seeds of every problem")->capture_default_str();
   app.add_option("--jobs", arguments.jobs, "runs at a time; 0: one a core")->check(CLI::Range(0, 4096));
   app.add_flag("--quick", arguments.quick, "one seed and one split of every problem");
+  app.add_flag("--finished", arguments.finished, "report the runs that have ended, start none");
   app.add_flag("--no-figures", no_figures, "draw nothing");
   try {
     app.parse(argc, argv);
@@ -142,6 +151,7 @@ int run_driver(int argc, char** argv, const Driver& driver) {
                     {"created", time_stamp()},      {"seeds", arguments.seeds},
                     {"set", arguments.assignments}, {"quick", arguments.quick}};
     const std::vector<Run> runs = run_all(driver, arguments);
+    if (arguments.finished) results["of_runs"] = driver.trials(arguments).size();
     const Report report = driver.report(runs, arguments);
     for (const auto& [title, table] : report.tables) {
       fmt::print("{}{}", results.contains("tables") ? "\n" : "", table.text());

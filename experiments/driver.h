@@ -22,6 +22,7 @@ struct Arguments {
   std::vector<std::int64_t> seeds = {0, 1, 2};
   int jobs = 0;  // runs at a time; 0: one a core
   bool quick = false;
+  bool finished = false;  // report what has ended, start nothing
 };
 
 // What a driver found, printed and written into its results file, and how its figures are drawn after that.
@@ -43,7 +44,7 @@ struct Driver {
   std::function<Report(const std::vector<Run>&, const Arguments&)> report = report_runs;
 };
 
-// Reads the command line (--data, --out, --results, --set, --seeds, --jobs, --quick, --no-figures), runs the
+// Reads the command line (--data, --out, --results, --set, --seeds, --jobs, --quick, --finished, --no-figures), runs the
 // trials that have not ended yet, several at a time, writes the results file and draws. Returns the exit code.
 // The same command goes on after an interruption; a folder of other trials is refused before anything starts;
 // a run that fails is an error once all have ended (no certificate is no failure).

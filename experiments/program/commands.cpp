@@ -244,14 +244,14 @@ int verify(const VerifyArguments& arguments, const CommonArguments& common) {
   check(arguments.artifact.empty() || method == Method::proof,
         "verify: found --artifact with --method {}, expected proof", arguments.method);
   if (!arguments.artifact.empty()) check_writable(arguments.artifact);
+  check(arguments.speed.empty() || (method == Method::proof && !setup.config.execution.is_ideal()),
+        "verify --speed: expected --method proof and an execution model in the configuration or by --set "
+        "execution.key=value");
   if (!record.certificate.conditions.empty() && !is_intact(setup, record)) {
     spdlog::warn(
         "{}: its certificate spoke of other weights or another problem, or was changed; a new one begins",
         arguments.run);
   }
-  check(arguments.speed.empty() || (method == Method::proof && !setup.config.execution.is_ideal()),
-        "verify --speed: expected --method proof and an execution model in the configuration or by --set "
-        "execution.key=value");
   ProofCovers covers;
   s2nnds::verify(setup, record, method, options, proof_printer(),
                  arguments.artifact.empty() ? nullptr : &covers);

@@ -129,11 +129,42 @@ std::string disturbance(const RunRecord& record) {
                      c.float32_error < c.disturbance_margin ? "is covered" : "is NOT covered");
 }
 
+std::string speeds(const RunRecord& record) {
+  const ExecutionCertificate& c = record.certificate.execution;
+  if (std::isinf(c.most_speed))
+    return fmt::format("from {:.4g} times the demonstrated one on", c.least_speed);
+  return fmt::format("{:.4g} to {:.4g} times the demonstrated one, up to {}", c.least_speed, c.most_speed,
+                     UserUnits(record).speed(c.most_speed_command));
+}
+
+// What is certified of the motion as a robot executes it, where that was asked for.
+std::string executed(const RunRecord& record) {
+  const ExecutionCertificate& c = record.certificate.execution;
+  const UserUnits units(record);
+  std::string text;
+  if (c.invariant) {
+    const bool arrives = c.convergence_radius < record.problem.workspace.half_widths().minCoeff();
+    text =
+        row("as executed",
+            "stays in the safe set; " +
+                (arrives ? "comes within " + units.length(c.convergence_radius) + " of the goal"
+                         : std::string("that it comes near the goal was not shown"))) +
+        row("shield", c.shielded ? "for velocities up to " + units.speed(c.most_command) : "not certified");
+    if (c.most_speed > 0.0) text += row("speed", speeds(record));
+  } else if (!c.model.empty()) {
+    text = row("as executed", "NOT certified") + (c.reason.empty() ? "" : paragraph(c.reason));
+  }
+  if (c.damping > 0.0)
+    text += row("push", fmt::format("<= {:.4g} N s, at every sample of the demonstrations", c.least_push));
+  return text;
+}
+
 std::string time(const RunRecord& record) {
   const RunTiming& t = record.timing;
   std::string text;
-  for (const auto& [name, seconds] : {std::pair{"training", t.training}, std::pair{"proof", t.proof},
-                                      std::pair{"evaluation", t.evaluation}})
+  for (const auto& [name, seconds] :
+       {std::pair{"training", t.training}, std::pair{"proof", t.proof}, std::pair{"as executed", t.execution},
+        std::pair{"evaluation", t.evaluation}})
     if (!std::isnan(seconds)) text += fmt::format("{} {:.1f} s, ", name, seconds);
   if (!record.checkpoint) return text + "no rounds";
   return text + fmt::format("{} rounds{}", record.checkpoint->round,
@@ -209,7 +240,7 @@ std::string first_screen(const RunRecord& record, const std::string& path) {
          row("goal", goal(record)) + row("workspace", UserUnits(record).workspace()) +
          row("unsafe set", set(record.problem.unsafe, record)) +
          row("initial set", set(record.problem.initial, record)) + "\n" + aligned(error_rows(record)) + "\n" +
-         row("safe area", safe_area(record)) + row("disturbance", disturbance(record)) +
+         row("safe area", safe_area(record)) + row("disturbance", disturbance(record)) + executed(record) +
          row("time", time(record)) + row("run file", path);
 }
 

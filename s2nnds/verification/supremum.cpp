@@ -12,8 +12,8 @@ namespace {
 
 // What the result may be above the largest size seen, beyond which nothing is bisected for.
 constexpr double tolerance = 0.02;
-// Boxes this small, relative to the workspace, are not bisected: the number of them that cover it in the first case.
-constexpr double cells = 4096.0, level_resolution = 0.004;
+// Boxes are not bisected once so many of their size cover the workspace.
+constexpr double inside_boxes = 4096.0, level_set_boxes = 62500.0;
 constexpr std::int64_t most_boxes = 500000;
 
 class SupremumExaminer final : public TileExaminer {
@@ -77,10 +77,9 @@ double supremum(const ProofFunctions& functions, const Box& workspace, BarrierSe
   BranchLimits limits;
   limits.max_boxes = most_boxes;
   limits.kept_boxes = 0;
-  const double resolution =
-      (workspace.upper - workspace.lower).maxCoeff() *
-      (set == BarrierSet::inside ? std::pow(cells, -1.0 / static_cast<double>(workspace.dimension()))
-                                 : level_resolution);
+  const double smallest = set == BarrierSet::inside ? inside_boxes : level_set_boxes;
+  const double resolution = (workspace.upper - workspace.lower).maxCoeff() *
+                            std::pow(smallest, -1.0 / static_cast<double>(workspace.dimension()));
   const BranchResult result = branch_and_bound(
       workspace.lower.transpose(), workspace.upper.transpose(),
       [&] { return std::make_unique<SupremumExaminer>(functions, resolution, size(), search); }, limits,

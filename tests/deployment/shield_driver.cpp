@@ -8,46 +8,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <new>
-#include <random>
 
-#include POLICY_HEADER
-
-namespace policy = POLICY_NAMESPACE;
+#include "edge_motions.h"
 
 namespace {
 long allocations = 0;
-constexpr int n = policy::dimension;
-struct Place {
-  double x[n];
-};
-std::mt19937_64 engine;
-double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine); }
-
-// The unit vector along the barrier's gradient.
-Place normal(const Place& p) {
-  Place g{};
-  double size = 0;
-  const double step = 1e-6 * policy::position_scale;
-  for (int i = 0; i < n; ++i) {
-    Place above = p, below = p;
-    above.x[i] += step;
-    below.x[i] -= step;
-    g.x[i] = policy::barrier(above.x) - policy::barrier(below.x);
-    size += g.x[i] * g.x[i];
-  }
-  for (double& value : g.x) value /= std::sqrt(size);
-  return g;
-}
-Place direction() {
-  Place d{};
-  double size = 0;
-  for (double& value : d.x) {
-    value = std::normal_distribution<double>()(engine);
-    size += value * value;
-  }
-  for (double& value : d.x) value /= std::sqrt(size);
-  return d;
-}
 }  // namespace
 
 void* operator new(std::size_t size) {
@@ -72,22 +37,7 @@ int main(int, char** arguments) {
   double largest_own_change = 0;
   static Place past[steps * substeps + 1];
   for (long motion = 0; motion < motions; ++motion) {
-    Place p{};
-    const Place ray = direction();
-    double low = 0, high = HUGE_VAL;  // up to the workspace's edge, where the barrier is positive
-    for (int i = 0; i < n; ++i) {
-      const double side = policy::workspace[ray.x[i] > 0 ? n + i : i] - policy::goal[i];
-      if (ray.x[i] != 0) high = std::fmin(high, side / ray.x[i]);
-    }
-    const auto along_ray = [&](double length) {
-      for (int i = 0; i < n; ++i) p.x[i] = policy::goal[i] + length * ray.x[i];
-    };
-    for (int k = 0; k < 50; ++k) {
-      const double middle = 0.5 * (low + high);
-      along_ray(middle);
-      (policy::barrier(p.x) <= 0 ? low : high) = middle;
-    }
-    along_ray(low - 1e-3 * policy::position_scale * uniform(0, 1));
+    Place p = start_at_the_edge();
     past[0] = p;
     std::size_t known = 1;
     bool out = false;
@@ -105,10 +55,8 @@ int main(int, char** arguments) {
         const double scale = policy::most_command * std::exp(uniform(-3, 5)), turn = uniform(-1, 1);
         for (int i = 0; i < n; ++i) wanted.x[i] = scale * (wanted.x[i] + turn * off.x[i]);
         policy::shield(y.x, wanted.x, v.x) > 0 ? ++changed : ++untouched;
-        double dot = 0;
-        for (int i = 0; i < n; ++i) dot += v.x[i] * outwards.x[i];
-        if (dot > farthest) {
-          farthest = dot;
+        if (const double speed = dot(v, outwards); speed > farthest) {
+          farthest = speed;
           best = v;
         }
         Place own{};

@@ -12,6 +12,9 @@ import command_line
 import numpy as np
 from command_line import PROJECT, SINE, ProgramTest
 
+# What an arm does wrong, in proportions that all matter for the motion learned here.
+SHAPE = {"period": 0.0002, "delay": 0.0004, "position_error": 0.0002, "velocity_error": 0.001,
+         "velocity_error_relative": 0.0005}
 MODEL = {"unit": '"normalised"', "period": 0.0005, "delay": 0.0005, "position_error": 0.0002, "velocity_error": 0.004,
          "velocity_error_relative": 0.001}
 
@@ -36,6 +39,16 @@ class RobotTest(ProgramTest):
     def command(cls, *words):
         code, _, err = command_line.call(*words, cwd=cls.store)
         assert code == 0, err
+
+    @staticmethod
+    def model(size):
+        values = {"unit": '"normalised"', **{key: size * value for key, value in SHAPE.items()}}
+        return [word for key, value in values.items() for word in ("--set", f"execution.{key}={value}")]
+
+    def is_certified(self, file, size):
+        code, out, err = command_line.call("verify", file, "--method", "proof", "--json", *self.model(size), cwd=self.folder)
+        self.assertEqual(code, 0, err)
+        return json.loads(out.splitlines()[-1])["execution"]["invariant"]
 
     def compiled(self, driver, precision):
         program = os.path.join(self.folder, driver + precision)
@@ -109,6 +122,60 @@ class RobotTest(ProgramTest):
         self.assertGreater(changed, 1000)
         self.assertEqual(float(out[3]), 0.0)  # of the motion's own velocity
         self.assertEqual(int(out[6]), 0)  # allocations
+
+    def test_bad_figures_are_refused(self):
+        file = self.path("bad.h5")
+        with open(self.ideal, "rb") as source, open(file, "wb") as copy:
+            copy.write(source.read())
+        before = command_line.contents(file)
+        for words in ("period=-0.001", "delay=nan", "lag=-1", "position_error=-0.1", "velocity_error=inf",
+                      "velocity_error_relative=1", "speed=0", "speed=-1", "extent=-1", 'unit="inch"', 'preset="arm"'):
+            key = words.split("=")[0]
+            self.assert_refused(self.call("verify", file, "--method", "proof", "--set", f"execution.{words}"),
+                                f"execution.{key}: expected")
+        self.assert_refused(self.call("verify", file, "--method", "proof", "--set", "execution.pace=1"), "execution.pace")
+        self.assert_refused(self.call("verify", file, "--method", "proof", "--speed", "auto"), "execution model")
+        self.assert_refused(self.call("verify", file, "--method", "sampled", "--speed", "auto", "--set", "execution.lag=1"),
+                            "--method proof")
+        self.assertEqual(str(command_line.contents(file)), str(before))
+
+    def test_the_summary_says_what_is_certified_as_executed(self):
+        file = self.path("said.h5")
+        with open(self.ideal, "rb") as source, open(file, "wb") as copy:
+            copy.write(source.read())
+        code, out, err = self.call("verify", file, "--method", "proof", "--speed", "auto", *self.model(0.3))
+        self.assertEqual(code, 0, err)
+        self.assertRegex(out, r"certified from \S+ to \S+ times the demonstrated speed \(up to \S+ \S*/s")
+        self.assertRegex(out, r"\n  as executed +stays in the safe set; ")
+        self.assertRegex(out, r"\n  shield +")
+        self.assertRegex(out, r"\n  speed +\S+ to \S+ times the demonstrated one, up to \S+ \S*/s")
+        code, out, err = self.call("verify", file, "--method", "proof", "--speed", "auto", "--set", "execution.delay=1e9")
+        self.assertEqual(code, 0, err)
+        self.assertIn("no speed is certified", out)
+        self.assertRegex(out, r"\n  as executed +NOT certified\n  readings may be \S+ normalised units away")
+        code, out, err = self.call("info", file, "--all")
+        self.assertEqual(code, 0, err)
+        self.assertIn("the motion is NOT certified", " ".join(out.split()))
+
+    def test_no_executed_motion_leaves_and_twice_the_errors_break_some(self):
+        """Of the largest model of SHAPE that is certified; as many motions as S2NNDS_MOTIONS says."""
+        file = self.path("limit.h5")
+        with open(self.ideal, "rb") as source, open(file, "wb") as copy:
+            copy.write(source.read())
+        low, high = 0.0, 16.0
+        while high - low > 0.05 * high:
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self.is_certified(file, middle) else (low, middle)
+        self.assertGreater(low, 0.5)
+        self.assertTrue(self.is_certified(file, low))
+        self.command("export", file, "--precision", "float", "--out", os.path.join(self.store, "limit.h"))
+        data = self.run_read.data
+        units = {"position_error": data.position_scale, "velocity_error": data.velocity_scale}
+        words = [repr(low * value * units.get(key, 1.0)) for key, value in SHAPE.items()]
+        driver = self.compiled("motion_driver", "limit")
+        for motions, times, leave in ((os.environ.get("S2NNDS_MOTIONS", "3000"), "1", False), ("3000", "2", True)):
+            out = subprocess.run([driver, motions, *words, times, "7"], capture_output=True, text=True, check=True).stdout
+            self.assertEqual(int(out.split()[0]) > 0, leave, f"{out} of {motions}, {times} times {low} of the shape")
 
     def test_a_simulated_arm_draws_the_motion(self):
         program = os.path.join(os.path.dirname(command_line.PROGRAM), "robot_drawing")

@@ -7,9 +7,11 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
 #include "s2nnds/core/random.h"
 #include "s2nnds/networks/evaluator.h"
 #include "s2nnds/verification/polynomial_function.h"
+#include "s2nnds/verification/supremum.h"
 #include "tests/verification/hand_made_system.h"
 
 namespace s2nnds {
@@ -103,7 +105,7 @@ TEST(CertifiedSpeeds, AreTheKnownOnes) {
 
 // ---- Motions
 
-// Sampled-data motions of networks whose delays and errors push outwards, along grad B.
+// Sampled-data motions of networks whose delays, errors, rounded readings and lag push outwards, along grad B.
 class Adversary {
  public:
   Adversary(const Networks& networks, const ExecutionModel& model, std::uint64_t seed)
@@ -113,12 +115,18 @@ class Adversary {
   double worst(Vector x, int steps, double times) {
     constexpr int substeps = 4;  // of a period
     std::vector<Vector> past(1, x);
+    Vector v;  // what the arm tracks of the command
     double worst = -1e9;
     for (int step = 0; step < steps; ++step) {
       const Vector u = command(past, x, times, substeps);
+      if (step == 0) v = u;
       const double noise = times * (model_.velocity_error + model_.velocity_error_relative * u.norm());
+      const double h = model_.period / substeps, lag = times * model_.lag;
       for (int k = 0; k < substeps; ++k) {
-        x += model_.period / substeps * (u + noise * normal(x));
+        const Vector behind = v - u;  // falls with the lag, exactly
+        const double kept = lag > 0.0 ? std::exp(-h / lag) : 0.0;
+        x += h * (u + noise * normal(x)) + lag * (1.0 - kept) * behind;
+        v = u + kept * behind;
         past.push_back(x);
         worst = std::max(worst, value(x));
       }
@@ -155,7 +163,10 @@ class Adversary {
       const Vector& seen = age < past.size() ? past[past.size() - 1 - age] : past.front();
       const double angle = 2.0 * M_PI * random_.uniform();
       const Vector off = (Vector(2) << std::cos(angle), std::sin(angle)).finished();
-      const Vector y = seen + times * model_.position_error * (k < 3 ? n : off);
+      const double error = times * model_.position_error, grid = std::sqrt(2.0) * error;
+      Vector y = seen + error * (k < 3 ? n : off);
+      if (k >= 9 && grid > 0.0)
+        y = grid * (seen / grid).array().round();  // rounded: off by grid / sqrt(2) at most
       Vector u = model_.most_speed * f_.value(y.transpose()).row(0).transpose();
       if (u.dot(n) > farthest) {
         farthest = u.dot(n);
@@ -183,12 +194,18 @@ ExecutionModel model_of_size(double size) {
           .velocity_error = 0.1 * size,
           .velocity_error_relative = 0.05 * size};
 }
-double largest_certified(const Networks& networks, const SafetyProblem& problem) {
+ExecutionModel lagging_model_of_size(double size) {
+  ExecutionModel model = model_of_size(size);
+  model.lag = 0.05 * size;
+  return model;
+}
+using ModelOfSize = ExecutionModel (*)(double);
+double largest_certified(const Networks& networks, const SafetyProblem& problem, ModelOfSize model) {
   double low = 0.0, high = 8.0;
   const ProofFunctions functions = ProofFunctions::of(networks);
   while (high - low > 0.02 * high) {
     const double middle = 0.5 * (low + high);
-    (prove_executed(functions, problem, model_of_size(middle)).invariant ? low : high) = middle;
+    (prove_executed_invariance(functions, problem, model(middle), 0).proved ? low : high) = middle;
   }
   return low;
 }
@@ -214,16 +231,62 @@ int leaving(const Networks& networks, const ExecutionModel& model, double times,
 
 TEST(ExecutedMotion, NoMotionLeavesUnderTheWorstThatIsCertified) {
   const Networks networks = turning_networks();
-  const double size = largest_certified(networks, simple_problem());
-  ASSERT_GT(size, 0.5);
-  EXPECT_EQ(leaving(networks, model_of_size(size), 1.0, 2000), 0);
-  EXPECT_GT(leaving(networks, model_of_size(size), 2.0, 200), 0);  // the bound is not idle
+  for (const ModelOfSize model : {model_of_size, lagging_model_of_size}) {
+    const double size = largest_certified(networks, simple_problem(), model);
+    ASSERT_GT(size, 0.5);
+    EXPECT_EQ(leaving(networks, model(size), 1.0, 1000), 0);
+    // The bound is not idle; that of a lag is coarser.
+    EXPECT_GT(leaving(networks, model(size), model == model_of_size ? 2.0 : 4.0, 200), 0);
+  }
 }
 
 TEST(ExecutedMotion, DISABLED_NoneOfAMillionMotionsLeaves) {
   const Networks networks = turning_networks();
-  const double size = largest_certified(networks, simple_problem());
-  EXPECT_EQ(leaving(networks, model_of_size(size), 1.0, 1000000), 0);
+  for (const ModelOfSize model : {model_of_size, lagging_model_of_size}) {
+    const double size = largest_certified(networks, simple_problem(), model);
+    EXPECT_EQ(leaving(networks, model(size), 1.0, 500000), 0);
+  }
+}
+
+// The bounds are the same on any number of threads.
+TEST(ExecutedMotion, DoesNotDependOnTheNumberOfThreads) {
+  const Networks networks = turning_networks();
+  const ProofFunctions functions = ProofFunctions::of(networks);
+  const auto found = [&](int threads) {
+    use_threads(threads);
+    const ExecutedMotion motion = prove_executed(functions, simple_problem(), model_of_size(0.5));
+    const Shield shield = prove_shield(functions, simple_problem(), model_of_size(0.1));
+    EXPECT_TRUE(motion.invariant);
+    EXPECT_TRUE(shield.certified);
+    return std::vector{motion.convergence_radius, motion.most_command, shield.band, shield.cone};
+  };
+  EXPECT_EQ(found(1), found(2));
+}
+
+// Over the disc |x| <= 1 and its circle, x0^2 is at most 1.
+TEST(Supremum, IsTheKnownOne) {
+  const ProofFunctions functions = spiral(0.0);
+  const Box workspace = Box::cube(2, 1.25);
+  const auto of = [&](BarrierSet set, double sign) {
+    return supremum(functions, workspace, set, [=]() -> TileSize {
+      return [=](const BoxTile& tile) {
+        const TileRow low = tile.center[0] - tile.half[0], high = tile.center[0] + tile.half[0];
+        const TileRow most = low.square().max(high.square()),
+                      least = (low * high < 0.0).select(0.0, low.square().min(high.square()));
+        return TileRow(sign > 0.0 ? most : TileRow(2.0 - least));
+      };
+    });
+  };
+  for (const BarrierSet set : {BarrierSet::inside, BarrierSet::level_set}) {
+    for (const double sign : {1.0, -1.0}) {
+      const double exact = sign > 0.0 ? 1.0 : 2.0;
+      EXPECT_GE(of(set, sign), exact);
+      EXPECT_LE(of(set, sign), 1.1 * exact);
+    }
+  }
+  EXPECT_TRUE(std::isinf(supremum(functions, workspace, BarrierSet::inside, []() -> TileSize {
+    return [](const BoxTile&) { return TileRow(TileRow::Constant(std::nan(""))); };
+  })));
 }
 
 }  // namespace
