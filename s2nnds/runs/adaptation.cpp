@@ -22,6 +22,11 @@ void check_settings(const std::vector<std::string>& settings) {
   check(!settings.empty(),
         "adapt: found no settings, expected what changes, such as problem.unsafe.center=[0.1, 0.2]");
   for (const std::string& setting : settings) {
+    check(!setting.starts_with("data."),
+          "adapt: found the setting \"{}\": another goal or other demonstrations make another motion, which "
+          "`train` "
+          "learns from a configuration that names them; expected keys below problem.",
+          setting);
     check(setting.starts_with("problem."),
           "adapt: found the setting \"{}\", expected keys below problem. (demonstrations, frame and networks "
           "stay; "

@@ -67,6 +67,8 @@ class AdaptTest(ProgramTest):
 
     def test_refuses_what_it_cannot_change(self):
         for words, expected in ((("--set", "training.rounds=3"), "expected keys below problem."),
+                                (("--set", "data.goal=[0.1, 0.0]"), "another goal or other demonstrations"),
+                                (("--set", 'data.files=["more.csv"]'), "another goal or other demonstrations"),
                                 (("--set", "problem.unsafe.center=[0.0, 0.0]"), "problem.unsafe"),
                                 (("--set", "problem.unsafe.centre=[0.1, 0.1]"), "centre")):
             with self.subTest(words=words):
