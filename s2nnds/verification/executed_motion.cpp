@@ -68,32 +68,36 @@ class FieldEnclosure {
       : field_(field),
         workspace_(field.workspace()),
         models_(field.output_dimension(), field.input_dimension()),
+        partials_(static_cast<std::size_t>(field.input_dimension()), models_),
         value(field.output_dimension()),
         jacobian(field.output_dimension() * field.input_dimension()) {}
 
   void evaluate_value(const BoxTile& tile) {
     field_.models(tile, *workspace_, models_);
-    store(tile, value, 0, 1);
+    store(tile, models_, value, 0, 1);
   }
+  // Of both.
   void evaluate_jacobian(const BoxTile& tile) {
-    for (Eigen::Index axis = 0; axis < tile.dimension(); ++axis) {
-      field_.partial_models(tile, *workspace_, axis, models_);
-      store(tile, jacobian, axis, tile.dimension());
-    }
+    field_.jacobian_models(tile, *workspace_, models_, partials_);
+    store(tile, models_, value, 0, 1);
+    for (Eigen::Index axis = 0; axis < tile.dimension(); ++axis)
+      store(tile, partials_[static_cast<std::size_t>(axis)], jacobian, axis, tile.dimension());
   }
 
  private:
-  void store(const BoxTile& tile, TileIntervals& to, Eigen::Index first, Eigen::Index stride) const {
-    for (Eigen::Index i = 0; i < field_.output_dimension(); ++i) {
-      to.middle[first + i * stride] = models_.value(i);
+  static void store(const BoxTile& tile, const TileModels& models, TileIntervals& to, Eigen::Index first,
+                    Eigen::Index stride) {
+    for (Eigen::Index i = 0; i < std::ssize(models.remainder); ++i) {
+      to.middle[first + i * stride] = models.value(i);
       to.radius[first + i * stride] =
-          (models_.spread(i, tile) + models_.deviation(i, tile)) * slack + underflow;
+          (models.spread(i, tile) + models.deviation(i, tile)) * slack + underflow;
     }
   }
 
   const TaylorFunction& field_;
   std::unique_ptr<TaylorFunction::Workspace> workspace_;
   TileModels models_;
+  std::vector<TileModels> partials_;  // one for each axis
 
  public:
   TileIntervals value,  // [n]
@@ -188,16 +192,18 @@ class ExecutionPerturbation final : public Perturbation {
  private:
   // Above |u| / speed; 0 where it does not matter.
   TileRow command_size(const BoxTile& around) {
+    if (bounds_.model.displaces()) field_.evaluate_jacobian(around);
     if (arbitrary_) return TileRow(TileRow::Constant(bounds_.field));
-    if (!bounds_.model.displaces() && !(bounds_.model.velocity_error_relative > 0.0)) return {};
-    field_.evaluate_value(around);
+    if (!bounds_.model.displaces()) {
+      if (!(bounds_.model.velocity_error_relative > 0.0)) return {};
+      field_.evaluate_value(around);
+    }
     return field_.value.norm() + bounds_.model.field_error;
   }
   // f(y) - f(x) = J (error of the reading - what was moved since), with p = J' grad:
   // |p| position_error + window (most_speed |p . f| + |p| |w|), |w| on the way.
   TileRow displacement_work(const TileIntervals& gradient, const TileRow& command, const BoxTile& around) {
     const ExecutionModel& model = bounds_.model;
-    field_.evaluate_jacobian(around);
     const TileIntervals pulled = pull_back(gradient);
     if (arbitrary_)
       return pulled.norm() * ((model.position_error + model.window() * bounds_.most_rate) * slack);

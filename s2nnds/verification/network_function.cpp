@@ -98,13 +98,13 @@ class CubicForm {
 struct NetworkFunction::Memory final : TaylorFunction::Workspace {
   struct LayerMemory {
     std::vector<TileRow> z, z_remainder, expansion;
-    TileRow magnitude_in[2];
+    std::vector<TileRow> magnitude_in;
   };
   std::vector<LayerMemory> layers;
   std::vector<TileRow> a, a_remainder;        // outputs of the layer last swept
-  std::vector<TileRow> adjoint_a, adjoint_z;  // [width, streams]
+  std::vector<TileRow> adjoint_a, adjoint_z;  // [width, 2]
   std::vector<TileRow> offset_error;          // [m] of the head's subtraction
-  TileRow magnitude_out[2];
+  std::vector<TileRow> magnitude_out;         // [streams]
   Eigen::Index streams = 1;
 };
 
@@ -143,19 +143,22 @@ NetworkFunction::NetworkFunction(const NetworkWeights& stack) : stack_(stack) {
 
 std::unique_ptr<TaylorFunction::Workspace> NetworkFunction::workspace() const {
   auto memory = std::make_unique<Memory>();
-  const std::size_t block = 2 * static_cast<std::size_t>(columns());
+  const std::size_t streams = 1 + static_cast<std::size_t>(input_dimension()),
+                    block = streams * static_cast<std::size_t>(columns());
   std::size_t widest = static_cast<std::size_t>(input_dimension());
   for (const AffineMap& map : maps_) {
     const std::size_t width = static_cast<std::size_t>(map.weight.rows());
     widest = std::max(widest, width);
     Memory::LayerMemory layer;
     layer.z.resize(width * block);
-    layer.z_remainder.resize(width * 2);
+    layer.z_remainder.resize(width * streams);
+    layer.magnitude_in.resize(streams);
     layer.expansion.resize(width * 5);
     memory->layers.push_back(std::move(layer));
   }
   memory->a.resize(widest * block);
-  memory->a_remainder.resize(widest * 2);
+  memory->a_remainder.resize(widest * streams);
+  memory->magnitude_out.resize(streams);
   memory->adjoint_a.resize(widest * 2);
   memory->adjoint_z.resize(widest * 2);
   memory->offset_error.resize(static_cast<std::size_t>(maps_.back().weight.rows()));
@@ -184,30 +187,47 @@ LayerTile NetworkFunction::layer_tile(const BoxTile& tile, std::size_t k, Memory
   return result;
 }
 
-void NetworkFunction::forward(const BoxTile& tile, const TileModels* direction, Memory& memory) const {
-  const Eigen::Index n = input_dimension(), streams = direction != nullptr ? 2 : 1,
-                     block = streams * columns();
+void NetworkFunction::start(const BoxTile& tile, Eigen::Index streams, Memory& memory) const {
   memory.streams = streams;
-  memory.magnitude_out[0].setZero();
-  memory.magnitude_out[1].setZero();
-  for (Eigen::Index d = 0; d < n; ++d) {  // x is its own model, without remainder
-    TileRow* row = &memory.a[d * block];
-    std::fill(row, row + block, TileRow());
+  for (TileRow& size : memory.magnitude_out) size.setZero();
+  for (Eigen::Index d = 0; d < input_dimension(); ++d) {  // x is its own model, without remainder
+    TileRow* row = &memory.a[d * streams * columns()];
+    std::fill(row, row + streams * columns(), TileRow());
     row[0] = tile.center[d];
     row[1 + d].setOnes();
-    memory.a_remainder[d * streams].setZero();
+    for (Eigen::Index s = 0; s < streams; ++s) memory.a_remainder[d * streams + s].setZero();
     memory.magnitude_out[0] = memory.magnitude_out[0].max((tile.center[d].abs() + tile.half[d]) * slack);
-    if (direction == nullptr) continue;
-    std::copy_n(&direction->value(d), columns(), row + columns());
-    memory.a_remainder[d * streams + 1] = direction->remainder[d];
+  }
+}
+
+void NetworkFunction::forward(const BoxTile& tile, const TileModels* direction, Memory& memory) const {
+  const Eigen::Index n = input_dimension(), streams = direction != nullptr ? 2 : 1;
+  start(tile, streams, memory);
+  for (Eigen::Index d = 0; d < n && direction != nullptr; ++d) {
+    std::copy_n(&direction->value(d), columns(), &memory.a[(2 * d + 1) * columns()]);
+    memory.a_remainder[2 * d + 1] = direction->remainder[d];
     const TileRow size =
         direction->value(d).abs() + direction->spread(d, tile) + direction->deviation(d, tile);
     memory.magnitude_out[1] = memory.magnitude_out[1].max(size * slack);
   }
+  sweep(tile, memory);
+}
+
+void NetworkFunction::forward_along_axes(const BoxTile& tile, Memory& memory) const {
+  const Eigen::Index n = input_dimension(), streams = 1 + n;
+  start(tile, streams, memory);
+  for (Eigen::Index d = 0; d < n; ++d) {
+    memory.a[(d * streams + 1 + d) * columns()].setOnes();
+    memory.magnitude_out[1 + d].setOnes();
+  }
+  sweep(tile, memory);
+}
+
+void NetworkFunction::sweep(const BoxTile& tile, Memory& memory) const {
+  const Eigen::Index streams = memory.streams, block = streams * columns();
   for (std::size_t k = 0; k < maps_.size(); ++k) {
     Memory::LayerMemory& layer = memory.layers[k];
-    layer.magnitude_in[0] = memory.magnitude_out[0];
-    layer.magnitude_in[1] = memory.magnitude_out[1];
+    std::copy_n(memory.magnitude_out.begin(), streams, layer.magnitude_in.begin());
     const Eigen::Index width = maps_[k].weight.rows();
     multiply(maps_[k].weight, memory.a, block, layer.z);
     multiply(maps_[k].magnitude, memory.a_remainder, streams, layer.z_remainder);
@@ -266,6 +286,22 @@ void NetworkFunction::partial_models(const BoxTile& tile, Workspace& workspace, 
   for (Eigen::Index i = 0; i < output_dimension(); ++i) {
     std::copy_n(&memory.a[(2 * i + 1) * columns()], columns(), &partials.value(i));
     partials.remainder[i] = memory.a_remainder[2 * i + 1] * slack;
+  }
+}
+
+void NetworkFunction::jacobian_models(const BoxTile& tile, Workspace& workspace, TileModels& y,
+                                      std::vector<TileModels>& partials) const {
+  check(stack_.head != Head::squared_norm, "network function: a squared norm has no models of its own");
+  Memory& memory = static_cast<Memory&>(workspace);
+  forward_along_axes(tile, memory);
+  subtract_offset(memory);
+  for (Eigen::Index i = 0; i < output_dimension(); ++i) {
+    for (Eigen::Index s = 0; s < memory.streams; ++s) {
+      TileModels& to = s == 0 ? y : partials[static_cast<std::size_t>(s - 1)];
+      const Eigen::Index at = i * memory.streams + s;
+      std::copy_n(&memory.a[at * columns()], columns(), &to.value(i));
+      to.remainder[i] = memory.a_remainder[at] * slack;
+    }
   }
 }
 

@@ -22,6 +22,8 @@ class NetworkFunction final : public TaylorFunction {
                       TileForm& q) const override;
   void partial_models(const BoxTile& tile, Workspace& workspace, Eigen::Index axis,
                       TileModels& partials) const override;
+  void jacobian_models(const BoxTile& tile, Workspace& workspace, TileModels& y,
+                       std::vector<TileModels>& partials) const override;
   void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const override;
   void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                       std::vector<TileRow>& adjoint, TileForm& q) const override;
@@ -42,6 +44,12 @@ class NetworkFunction final : public TaylorFunction {
 
   Eigen::Index columns() const { return 1 + input_dimension() + triangle(input_dimension()); }
   void forward(const BoxTile& tile, const TileModels* direction, Memory& memory) const;
+  // The same with the derivatives along all axes.
+  void forward_along_axes(const BoxTile& tile, Memory& memory) const;
+  // Takes as many streams as memory holds of x through the layers.
+  void sweep(const BoxTile& tile, Memory& memory) const;
+  // x into memory's first stream of some, the others 0.
+  void start(const BoxTile& tile, Eigen::Index streams, Memory& memory) const;
   // From the outputs' adjoints in memory down to the inputs; those of the second stream are left in
   // `direction`.
   void backward(const BoxTile& tile, Memory& memory, std::vector<TileRow>* direction, TileForm& q) const;

@@ -33,7 +33,7 @@ struct ActivationExpansion {
 struct LayerTile {
   std::ptrdiff_t width = 0;                      // neurons
   std::ptrdiff_t dimension = 0;                  // n
-  std::ptrdiff_t streams = 1;                    // 1, or 2 with the derivative
+  std::ptrdiff_t streams = 1;                    // 1, and 1 for each derivative
   Activation activation = Activation::identity;  // sigma, applied to each neuron
   const double* half = nullptr;                  // [n, T] half-widths of the boxes
   const double* row_error = nullptr;  // [width] rounding of a row of W, and of the adjoint, times `magnitude`
@@ -53,7 +53,7 @@ struct LayerTile {
 
 // The backward sweep through a layer: sum_k adjoint_k d_k, d_k the deviation of the k-th output from its
 // first-order model, is expanded to second order in x - c with what it leaves added to `remainder`, and
-// passed on to the layer's inputs.
+// passed on to the layer's inputs. For one derivative at most.
 struct PullBackTile {
   const double* adjoint_a = nullptr;    // [width, streams, T] of the values after the activation
   double* adjoint_z = nullptr;          // [width, streams, T] out: of those before it

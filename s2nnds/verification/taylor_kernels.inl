@@ -351,7 +351,8 @@ void activate(const LayerTile& layer) {
   const ptrdiff_t block = columns * tile_boxes, row = layer.streams * block, hessian = (1 + n) * tile_boxes;
   for (ptrdiff_t t = 0; t < tile_boxes; t += lanes<double>) {
     const double* half = layer.half + t;
-    Lanes largest = all(0.0), largest_rate = all(0.0);
+    Lanes largest = all(0.0);
+    for (ptrdiff_t s = 1; s < layer.streams; ++s) store(layer.magnitude_out + s * tile_boxes + t, all(0.0));
     for (ptrdiff_t i = 0; i < layer.width; ++i) {
       const double* z = layer.z + i * row + t;
       double* a = layer.a + i * row + t;
@@ -380,25 +381,24 @@ void activate(const LayerTile& layer) {
                             twice * (first * linear + 2.0 * bent)) *
                                slack);
       largest = larger(largest, magnitude(e.value) + first * linear + bent);
-      if (layer.streams == 1) continue;
-
-      // p = sigma'(z) zdot about (z0, zdot0).
-      const double* rate = z + block;
-      const Lanes rate_r = complete_remainder(layer, i, 1, t);
+      // p = sigma'(z) zdot about (z0, zdot0), for each derivative.
+      for (ptrdiff_t s = 1; s < layer.streams; ++s) {
+      const double* rate = z + s * block;
+      const Lanes rate_r = complete_remainder(layer, i, s, t);
       const Lanes rate_linear = spread(rate + tile_boxes, half, n);
       const Lanes rate_quadratic = quadratic_size(rate + hessian, half, n);
       const Lanes rate_deviation = (rate_quadratic + rate_r) * slack;
       const Lanes rate_radius = (rate_linear + rate_deviation) * slack;
-      store(z_remainder + tile_boxes, rate_deviation);
+      store(z_remainder + s * tile_boxes, rate_deviation);
       const Lanes rate0 = load(rate), cross = e.second * rate0, bend = e.third * rate0;
       const Lanes cross_size = magnitude(cross), bend_size = magnitude(bend);
-      store(a + block, e.first * rate0);
+      store(a + s * block, e.first * rate0);
       for (ptrdiff_t d = 1; d < columns; ++d) {
-        store(a + block + d * tile_boxes,
+        store(a + s * block + d * tile_boxes,
               e.first * load(rate + d * tile_boxes) + cross * load(z + d * tile_boxes));
       }
-      add_square(a + block + hessian, bend, z + tile_boxes, n);
-      add_product(a + block + hessian, 2.0 * e.second, z + tile_boxes, rate + tile_boxes, n);
+      add_square(a + s * block + hessian, bend, z + tile_boxes, n);
+      add_product(a + s * block + hessian, 2.0 * e.second, z + tile_boxes, rate + tile_boxes, n);
       const Lanes rate_size = magnitude(rate0) + rate_radius;
       const Lanes rate_line = first * rate_linear + cross_size * linear;
       const Lanes rate_bent = first * rate_quadratic + cross_size * quadratic +
@@ -407,11 +407,16 @@ void activate(const LayerTile& layer) {
       const Lanes cubic =
           second * (deviation * rate_radius + linear * rate_deviation) + 0.5 * bend_size * square_error +
           0.5 * magnitude(e.third) * radius * radius * rate_radius + e.first_error * rate_size;
-      store(out_remainder + tile_boxes, (first * rate_r + cross_size * r + cubic + rounding) * slack);
-      largest_rate = larger(largest_rate, first * magnitude(rate0) + rate_line + rate_bent);
+      store(out_remainder + s * tile_boxes, (first * rate_r + cross_size * r + cubic + rounding) * slack);
+        double* size = layer.magnitude_out + s * tile_boxes + t;
+        store(size, larger(load(size), first * magnitude(rate0) + rate_line + rate_bent));
+      }
     }
     store(layer.magnitude_out + t, largest * slack);
-    if (layer.streams == 2) store(layer.magnitude_out + tile_boxes + t, largest_rate * slack);
+    for (ptrdiff_t s = 1; s < layer.streams; ++s) {
+      double* size = layer.magnitude_out + s * tile_boxes + t;
+      store(size, load(size) * slack);
+    }
   }
 }
 

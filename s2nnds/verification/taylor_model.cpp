@@ -174,6 +174,13 @@ std::int32_t useful_cuts(Eigen::Index n, double least_polynomial, double remaind
   return cuts;
 }
 
+void TaylorFunction::jacobian_models(const BoxTile& tile, Workspace& workspace, TileModels& y,
+                                     std::vector<TileModels>& partials) const {
+  models(tile, workspace, y);
+  for (std::size_t axis = 0; axis < partials.size(); ++axis)
+    partial_models(tile, workspace, static_cast<Eigen::Index>(axis), partials[axis]);
+}
+
 ScalarEnclosure::ScalarEnclosure(const TaylorFunction& function, const TaylorFunction* field)
     : function_(function),
       field_(field),

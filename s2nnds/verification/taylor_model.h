@@ -147,6 +147,10 @@ class TaylorFunction {
   virtual void partial_models(const BoxTile& tile, Workspace& workspace, Eigen::Index axis,
                               TileModels& partials) const = 0;
 
+  // Models of all outputs and, one for each axis, of their partial derivatives.
+  virtual void jacobian_models(const BoxTile& tile, Workspace& workspace, TileModels& y,
+                               std::vector<TileModels>& partials) const;
+
   // Scalar functions only (m = 1). Adds y(x) to q.
   virtual void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const = 0;
   // Scalar functions only. Adds grad y(x) . d(x) to q, d given by its models [n] but for sum_i adjoint_i

@@ -290,5 +290,42 @@ TEST(TaylorModel, PointsAreEvaluatedToRounding) {
   EXPECT_LT(width, 1e-8 * std::abs(form.value(0)));
 }
 
+// One sweep for all axes gives what one for each gives.
+TEST(NetworkFunction, HasTheModelsOfItsJacobianInOneSweep) {
+  RandomStream random(5, "jacobian");
+  NetworkWeights stack;
+  for (const auto& [rows, columns] : {std::pair{7, 3}, {5, 7}, {2, 5}}) {
+    Layer layer;
+    layer.weight = Points::NullaryExpr(rows, columns, [&] { return random.uniform(-1.0, 1.0); });
+    layer.bias = Vector::NullaryExpr(rows, [&] { return random.uniform(-1.0, 1.0); });
+    layer.activation = rows == 2 ? Activation::identity : Activation::tanh;
+    stack.layers.push_back(layer);
+  }
+  stack.head = Head::zero_at_origin;
+  const NetworkFunction f(stack);
+  const auto memory = f.workspace();
+  Points lower = Points::NullaryExpr(tile_boxes, 3, [&] { return random.uniform(-1.0, 1.0); });
+  const Points upper = lower.array() + 0.1;
+  BoxTile tile(3);
+  tile.assign(lower, upper, 0, tile_boxes);
+  TileModels y(2, 3), expected(2, 3);
+  std::vector<TileModels> partials(3, y);
+  f.jacobian_models(tile, *memory, y, partials);
+  const auto expect_same = [&](const TileModels& found) {
+    for (std::size_t i = 0; i < expected.models.size(); ++i) {
+      EXPECT_LE((found.models[i] - expected.models[i]).abs().maxCoeff(), 1e-14);
+    }
+    for (std::size_t i = 0; i < expected.remainder.size(); ++i) {
+      EXPECT_LE((found.remainder[i] - expected.remainder[i]).abs().maxCoeff(), 1e-14);
+    }
+  };
+  f.models(tile, *memory, expected);
+  expect_same(y);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    f.partial_models(tile, *memory, axis, expected);
+    expect_same(partials[static_cast<std::size_t>(axis)]);
+  }
+}
+
 }  // namespace
 }  // namespace s2nnds
