@@ -94,7 +94,8 @@ int exit_code(Method method, const PreparedRun& setup, const RunRecord& record) 
                            : setup.problem.workspace_margin ? Guarantee::invariant
                                                             : Guarantee::proved;
   const bool turns = method == Method::proof && setup.data.frame.has_orientation();
-  if (turns && !record.certificate.orientation.proved) return kNotVerified;
+  const OrientationCertificate& turning = record.certificate.orientation;
+  if (turns && !(turning.proved && (turning.tool.empty() || turning.tool_clear))) return kNotVerified;
   return record.certificate.guarantee >= wanted ? kVerified : kNotVerified;
 }
 

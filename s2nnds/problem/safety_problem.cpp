@@ -9,6 +9,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/frame.h"
+#include "s2nnds/data/orientation.h"
 #include "s2nnds/problem/framed_region.h"
 #include "s2nnds/problem/region_sampler.h"
 
@@ -195,6 +196,17 @@ RegionOptions find_initial(const ProblemOptions& options, const Points& starts, 
   return all.of.size() == 1 ? all.of.front() : all;
 }
 
+// The obstacle as written, grown by what the tool sweeps.
+RegionOptions find_unsafe(const ProblemOptions& options, const Frame& frame, Eigen::Index dimension) {
+  if (options.tool.is_none()) return options.unsafe;
+  check(frame.has_orientation() && dimension == 3 && options.frame == "data",
+        "problem.tool: found {}-D positions{} and problem.frame = \"{}\", expected poses in 3-D "
+        "(data.state = \"pose\") and \"data\"",
+        dimension, frame.has_orientation() ? " with orientations" : "", options.frame);
+  const Eigen::Vector4d goal = frame.goal_orientation;
+  return swept(options.unsafe, options.tool, rotation_matrix(goal.normalized()));
+}
+
 // A point that both regions hold within the box, if one is found.
 std::optional<Vector> common_point(const RegionPtr& a, const RegionPtr& b, const Box& within) {
   const RegionSampler sampler(intersect({a, b}), within);
@@ -254,8 +266,8 @@ SafetyProblem build_problem(const ProblemOptions& options, const std::vector<Dem
   problem.workspace = whole;
   if (checks) check_demonstrations_inside(problem.workspace, demonstrations, user);
   problem.contained = contained;
-  problem.written_unsafe = options.unsafe;
-  problem.unsafe = make_region(options.unsafe, dimension, files, "problem.unsafe");
+  problem.written_unsafe = find_unsafe(options, frame, dimension);
+  problem.unsafe = make_region(problem.written_unsafe, dimension, files, "problem.unsafe");
   if (options.unsafe.type != "none") problem.unsafe = user.region(problem.unsafe);
   if (checks) check_unsafe(problem, options.unsafe.type, user);
   if (options.containment > 0.0) problem.workspace_margin = complement(box_region(contained));
@@ -280,6 +292,7 @@ void ProblemOptions::visit(FieldVisitor& v) {
   v.field("padding", padding, at_least(0.0));
   v.group("initial", initial);
   v.group("unsafe", unsafe);
+  v.group("tool", tool);
 }
 
 SafetyProblem make_problem(const ProblemOptions& options, const std::vector<Demonstration>& demonstrations,

@@ -7,6 +7,7 @@
 #include "s2nnds/core/options.h"
 #include "s2nnds/data/demonstration.h"
 #include "s2nnds/problem/region.h"
+#include "s2nnds/problem/tool_sweep.h"
 
 namespace s2nnds {
 
@@ -52,6 +53,7 @@ struct ProblemOptions {
   // coordinate; a box for each group of them where groups lie a quarter of that apart; "ball_auto": the ball of `radius` around their mean; or any region.
   RegionOptions initial = {.type = "auto"};
   RegionOptions unsafe = {};  // Xu: any region; "none": no obstacle
+  ToolOptions tool = {};      // of poses in 3-D, in frame "data": Xu grows by what it sweeps
 
   void visit(FieldVisitor& v);  // names every key
 };

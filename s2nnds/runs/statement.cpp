@@ -198,6 +198,15 @@ std::string orientation_details(const RunRecord& record) {
       goal);
 }
 
+std::string tool_sentence(const OrientationCertificate& found) {
+  if (found.tool.empty()) return "";
+  if (!found.tool_clear) return fmt::format(" Nothing is guaranteed of the tool, {}.", found.tool);
+  return fmt::format(
+      " The tool, {} in the frame that turns, touches nothing of the obstacle either: the unsafe set is the "
+      "obstacle grown by what the tool sweeps.",
+      found.tool);
+}
+
 }  // namespace
 
 std::string certified_speeds_in_words(const RunRecord& record) {
@@ -255,15 +264,16 @@ std::string orientation_sentence(const RunRecord& record) {
   if (!record.data.frame.has_orientation()) return "";
   const Certificate& certificate = record.certificate;
   const OrientationCertificate& found = certificate.orientation;
+  const std::string tool = tool_sentence(found);
   if (!found.proved || certificate.guarantee != Guarantee::invariant) {
-    return fmt::format("Nothing is guaranteed of the orientation{}.",
-                       found.reason.empty() ? "" : fmt::format(": {}", found.reason));
+    return fmt::format("Nothing is guaranteed of the orientation{}.{}",
+                       found.reason.empty() ? "" : fmt::format(": {}", found.reason), tool);
   }
   return fmt::format(
       "Its orientation converges to the goal's from every start in the safe set with an orientation error "
       "|e| of at "
-      "most {} degrees; starts with a larger one are excluded.",
-      degrees_down(found.initial_error));
+      "most {} degrees; starts with a larger one are excluded.{}",
+      degrees_down(found.initial_error), tool);
 }
 
 std::string guarantee_statement(const RunRecord& record) {

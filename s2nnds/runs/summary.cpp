@@ -118,7 +118,9 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
                            {"initial_error_degrees", real(degrees(turning.initial_error))},
                            {"rate", real(turning.rate)},
                            {"boxes", turning.boxes},
-                           {"reason", turning.reason}};
+                           {"reason", turning.reason},
+                           {"tool", turning.tool},
+                           {"tool_clear", turning.tool_clear}};
   }
   json["float32_error"] = real(certificate.float32_error);
   json["follows"] = follows_demonstrations(record);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/runs/verification_run.h"
 
+#include <cmath>
+
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
 #include "s2nnds/runs/certified_scope.h"
@@ -61,18 +63,23 @@ OrientationCertificate verify_orientation(const PreparedRun& setup, const RunRec
                                           const BranchLimits& limits) {
   OrientationCertificate found;
   if (!setup.data.frame.has_orientation()) return found;
+  const ToolOptions& tool = setup.config.problem.tool;
+  if (!tool.is_none()) found.tool = in_words(tool, setup.data.frame.unit);
   if (!record.orientation || !invariant) {
     found.reason = invariant ? "no law was fitted" : kNotInvariant;
-    return found;
+  } else {
+    const OrientationBound bound =
+        prove_orientation_bound(*record.orientation, functions, setup.problem, limits);
+    found.proved = bound.proved;
+    found.bound = bound.bound;
+    found.initial_error = record.orientation->initial_error;
+    found.rate = record.orientation->rate;
+    found.boxes = bound.boxes;
+    found.reason = bound.reason;
   }
-  const OrientationBound bound =
-      prove_orientation_bound(*record.orientation, functions, setup.problem, limits);
-  found.proved = bound.proved;
-  found.bound = bound.bound;
-  found.initial_error = record.orientation->initial_error;
-  found.rate = record.orientation->rate;
-  found.boxes = bound.boxes;
-  found.reason = bound.reason;
+  const double turned = (found.bound + found.initial_error) * (180.0 / M_PI) * (1.0 + 1e-12);
+  found.tool_clear =
+      !tool.is_none() && invariant && (tool.turn == 0.0 || (found.proved && turned <= tool.turn));
   return found;
 }
 
@@ -143,7 +150,8 @@ void keep_what_invariance_carries(RunRecord& record) {
   if (certificate.guarantee == Guarantee::invariant) return;
   certificate.disturbance_margin = certificate.convergence_radius = 0.0;
   certificate.execution = {};
-  if (certificate.orientation.proved) certificate.orientation = {.reason = kNotInvariant};
+  if (OrientationCertificate& turning = certificate.orientation; turning.proved || turning.tool_clear)
+    turning = {.reason = kNotInvariant, .tool = turning.tool};
   record.pushes = {};
 }
 

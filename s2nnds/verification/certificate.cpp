@@ -61,6 +61,8 @@ void OrientationCertificate::visit(FieldVisitor& v) {
   v.field("rate", rate, at_least(0));
   v.field("boxes", boxes, kCount);
   v.field("reason", reason);
+  v.field("tool", tool);
+  v.field("tool_clear", tool_clear);
 }
 
 void Certificate::visit(FieldVisitor& v) {

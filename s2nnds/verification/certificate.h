@@ -124,7 +124,10 @@ struct OrientationCertificate {
   double initial_error = 0.0;  // rad: the largest |e| of a start that is spoken of
   double rate = 0.0;           // k, 1/s
   std::int64_t boxes = 0;      // examined
-  std::string reason;          // why it was not proved; "" if it was, and where nothing turns
+  std::string reason = {};     // why it was not proved; "" if it was, and where nothing turns
+  std::string tool = {};       // by whose sweep the obstacle was grown, in words; "": none
+  // Whether the tool touches nothing of the obstacle: turned as far as it may be, its sweep covers it.
+  bool tool_clear = false;
 
   void visit(FieldVisitor& v);  // names each field once
 };

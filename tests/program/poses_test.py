@@ -19,7 +19,8 @@ POSES = os.path.join(PROJECT, "experiments/poses")
 POUR = os.path.join(PROJECT, "experiments/configs/poses/pour.toml")
 # Beside the motion, where networks written by hand are right.
 FAR = {
-    "problem.unsafe": '{ type = "ball", center = [0.55, 0.2, 0.68], radius = 0.02 }',
+    "problem.unsafe": '{ type = "ball", center = [0.55, 0.2, 0.68], radius = 0.01 }',
+    "problem.tool": "{ start = [0, 0, 0], end = [0, 0, 0.006], radius = 0.004 }",
     "evaluation.area_cells": 8,
     "evaluation.grid_points": 11,
     "verification.method": '"sampled"',
@@ -81,14 +82,16 @@ def interpret_onnx(model, inputs):
 
 
 class PosesTest(ProgramTest):
-    def pose_run(self, name="run.h5"):
+    stored = {}  # by the turn of the tool
+
+    def pose_run(self, name="run.h5", turn=0):
         """A small run whose position networks meet every condition by hand: f = -x, V = 1.05 |x|^2, B a soft cube."""
-        if not hasattr(PosesTest, "stored"):
-            PosesTest.stored = os.path.join(self.store, "pose.h5")
-            words = command_line.settings(FAR)
-            code, _, err = self.call("train", POUR, "--data", POSES, *words, "--threads", 1, "--out", self.stored)
+        if turn not in PosesTest.stored:
+            PosesTest.stored[turn] = os.path.join(self.store, f"pose_{turn}.h5")
+            words = command_line.settings(FAR | {"problem.tool.turn": turn, "training.rounds": 2})
+            code, _, err = self.call("train", POUR, "--data", POSES, *words, "--threads", 1, "--out", PosesTest.stored[turn])
             self.assertIn(code, (0, 3), err)
-        path = shutil.copyfile(self.stored, self.path(name))
+        path = shutil.copyfile(PosesTest.stored[turn], self.path(name))
         k, c, eye, none = 20.0, np.array([0.7, 1.08, 0.7]), np.eye(3), np.zeros(3)
         with h5py.File(path, "r+") as file:
             write_network(file, "f", [(-eye, none, "identity")], "zero_at_origin")
@@ -115,6 +118,9 @@ class PosesTest(ProgramTest):
         for words in ("Excluded are starts with a larger |e|", "e fall as exp(-", "degrees at the start stays below 180 degrees",
                       "q_goal (xyzw) is ("):
             self.assertIn(words, found["statement"])
+        self.assertTrue(turning["tool_clear"])
+        self.assertIn("The tool, a capsule from (0, 0, 0) to (0, 0, 0.006) of radius 0.004 m in the frame that turns, touches "
+                      "nothing of the obstacle", found["statement"])
         run = Run(path)
         # The bound holds at random points of the safe set.
         z = np.random.default_rng(1).uniform(-1.25, 1.25, (20000, 3))
@@ -152,6 +158,15 @@ class PosesTest(ProgramTest):
         self.assertEqual(found["guarantee"], "invariant")
         self.assertFalse(found["orientation"]["proved"])
         self.assertIn("Nothing is guaranteed of the orientation: psi turns too far", found["statement"])
+
+    def test_a_tool_that_may_turn_farther_than_said_is_not_vouched_for(self):
+        code, out, err = self.call("verify", self.pose_run(turn=5), "--method", "proof", "--json")
+        self.assertEqual(code, 3, out + err)
+        found = json.loads(out.splitlines()[-1])
+        self.assertEqual(found["guarantee"], "invariant")
+        self.assertTrue(found["orientation"]["proved"])
+        self.assertFalse(found["orientation"]["tool_clear"])
+        self.assertIn("Nothing is guaranteed of the tool", found["statement"])
 
     def test_formats_turn_alike(self):
         path, _ = self.proved()

@@ -78,6 +78,12 @@ TEST(OrientationRecord, WordsAreRoundedToWhatIsTrue) {
   for (const char* words : {"at most 28.64 degrees", "|psi(p)| < 57.3 degrees", "from |e| <= 122.7)",
                             "exp(-1.75 t)", "Excluded are starts with a larger |e|"})
     EXPECT_NE(text.find(words), std::string::npos) << words << " in: " << text;
+  EXPECT_EQ(text.find("tool"), std::string::npos);
+  r.certificate.orientation.tool = "a capsule";
+  EXPECT_NE(guarantee_statement(r).find("Nothing is guaranteed of the tool, a capsule."), std::string::npos);
+  r.certificate.orientation.tool_clear = true;
+  EXPECT_NE(guarantee_statement(r).find("The tool, a capsule in the frame that turns, touches nothing"),
+            std::string::npos);
   r.certificate.guarantee = Guarantee::proved;
   EXPECT_NE(guarantee_statement(r).find("Nothing is guaranteed of the orientation"), std::string::npos);
   r.data.frame.goal_orientation = {};
