@@ -14,7 +14,9 @@ namespace s2nnds {
 namespace {
 
 constexpr Eigen::Index batch_boxes = 128;
-constexpr double kTreeBytes = 10.0;  // a box examined, of a tree and of what is needed to write it
+constexpr std::int32_t kMostCuts = 6;          // before the next look
+constexpr std::int64_t kLeastToExpect = 4000;  // boxes examined before it is told how many are needed
+constexpr double kTreeBytes = 10.0;            // a box examined, of a tree and of what is needed to write it
 
 struct Level {
   explicit Level(Points low, Points high)
@@ -155,10 +157,20 @@ double parts_of(const Level& level, const std::vector<Eigen::Index>& rows) {
 double bytes_of(const Level& level, double parts, const OpenBoxes& open) {
   // Numbers of 8 bytes; lists grow by doubling, so that three times as much stands there at times.
   const auto n = static_cast<double>(level.lower.cols());
-  const double examined = 3.0 * n + 6.0;             // corners, witness, the rest and places in two lists
+  const double examined = 3.0 * n + 7.0;             // corners, witness, the rest and places in two lists
   const double left_open = 2.0 * n + n + 3.0 * 6.0;  // corners, witness and places
   return sizeof(double) * ((static_cast<double>(level.lower.rows()) + parts) * examined +
                            (static_cast<double>(open.count()) + parts) * left_open);
+}
+
+// Cuts these boxes so often, and not more at once than is worth it. Returns how many boxes that seems to end in.
+double limit_cuts(Level& level, const std::vector<Eigen::Index>& rows) {
+  const double expected = parts_of(level, rows);
+  for (Eigen::Index row : rows) {
+    std::int32_t& cuts = level.cuts[static_cast<std::size_t>(row)];
+    cuts = std::min(cuts, kMostCuts);
+  }
+  return expected;
 }
 
 // The parts of the undecided boxes.
@@ -221,8 +233,12 @@ BranchResult branch_and_bound(Points lower, Points upper,
     }
     open.add(level, left_open);
     const double tree = limits.keep_tree ? kTreeBytes * static_cast<double>(result.boxes) : 0.0;
-    if (bytes_of(level, parts_of(level, undecided), open) + tree > limits.max_bytes) {
+    const double expected = static_cast<double>(result.boxes) + limit_cuts(level, undecided);
+    const bool hopeless =
+        result.boxes >= kLeastToExpect && expected > limits.max_expected && !undecided.empty();
+    if (hopeless || bytes_of(level, parts_of(level, undecided), open) + tree > limits.max_bytes) {
       result.stopped = true;
+      if (hopeless) result.expected = expected;
       open.add(level, undecided);
       undecided.clear();
     }

@@ -24,6 +24,8 @@ struct BranchLimits {
   // Stop once the boxes of a level, those that it is to be cut into and all open ones would take more bytes. The limit is
   // far beyond what proofs in two and three dimensions take, and leaves room for the rest of a program below 4 GiB.
   double max_bytes = 2147483648.0;
+  // Stop once more boxes than this seem to be needed in all, by the examiners' cuts: then nobody waits for what cannot end.
+  double max_expected = std::numeric_limits<double>::infinity();
   std::int64_t kept_boxes = 10000;  // open boxes that are returned, at most
   double max_seconds = 600.0;       // wall clock, > 0; boxes not examined by then are left open
   bool keep_tree = false;           // whether BranchResult::tree is filled
@@ -50,8 +52,8 @@ struct BoxBatch {
   Vector& violation;               // [N] by how much, where refuted
   // [N] a number that a box leaves to its parts: what was left to it, +infinity at the start, unless changed.
   Vector& carried;
-  // [N] how often to bisect where undecided, at least 1: more than once where the halves are hopeless as
-  // well, since looking at them would cost as much as looking at what can be proved.
+  // [N] how often to bisect where undecided until it may be decided, as far as can be told; at least 1. So many times, six
+  // at most, it is bisected before the next look: looking at hopeless halves would cost as much as looking at others.
   std::vector<std::int32_t>& cuts;
 };
 
@@ -68,6 +70,7 @@ struct BranchResult {
   bool proved = false;          // on all boxes
   bool stopped = false;         // by a limit: boxes that could have been bisected are open
   std::int64_t boxes = 0;       // examined
+  double expected = 0.0;        // > 0: stopped because so many boxes seem to be needed
   std::int64_t open_boxes = 0;  // neither proved nor bisected further
   double open_volume = 0.0;     // of all open boxes together, normalised length^n
   Points open_lower,            // [kept, n] lower corners of open boxes, refuted ones first, normalised
@@ -88,7 +91,7 @@ struct BranchProgress {
 };
 
 // Proves a statement on every box of the start [N, n] by examining boxes and bisecting the widest side of
-// those that stay undecided (as often as the examiner says), level by level and in fixed batches, so that the
+// those that stay undecided (as often as the examiner says, six times at most), level by level and in fixed batches, so that the
 // result does not depend on the number of threads (unless the time limit strikes). `examiner` makes one
 // examiner for each thread; `progress` is called after each level. Throws Error on boxes that are not finite,
 // or when `lower` and `upper` differ in shape.

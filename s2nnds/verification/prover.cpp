@@ -22,6 +22,9 @@ constexpr double largest_goal_cube = 0.08;
 // Where no neighbourhood of the goal is proved, boxes this close to it are left open.
 constexpr double hopeless_radius = 1e-8;
 
+// In more dimensions than this, no proof is gone on with that seems to need more boxes than are allowed.
+constexpr Eigen::Index kPatientDimensions = 4;
+
 // What a condition gets once the time for the whole proof is used up.
 constexpr double least_seconds = 1e-9;
 
@@ -277,6 +280,10 @@ ConditionProof decide(const Statement& statement, const BranchLimits& limits, co
   proof.verdict.open_boxes = found.open_boxes;
   proof.verdict.open_volume = found.open_volume;
   proof.verdict.worst = found.worst;
+  if (found.expected > 0.0 && !found.proved && found.witnesses.rows() == 0) {
+    proof.verdict.reason =
+        fmt::format("some {:.0e} boxes seem to be needed, {} are allowed", found.expected, limits.max_boxes);
+  }
   if (found.witnesses.rows() > 0) {
     proof.verdict.witness.assign(found.witnesses.data(), found.witnesses.data() + found.witnesses.cols());
   }
@@ -408,6 +415,8 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
     const double cube = proved_cube(functions, condition);
     BranchLimits limits = options;
     limits.max_seconds = options.max_seconds - watch.seconds();
+    if (problem.dimension() > kPatientDimensions)
+      limits.max_expected = static_cast<double>(options.max_boxes);
     proof = decide({condition, functions, problem, level_band, cube}, limits, progress);
     proof.goal_cube = cube;
   }

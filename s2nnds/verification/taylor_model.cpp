@@ -164,7 +164,7 @@ double TileForm::polynomial(const BoxTile& tile, Eigen::Index lane, const Vector
 // A part of the box is hopeless while its remainder alone exceeds what the polynomial offers at best. A cut multiplies a
 // remainder of third order by shrink or so; parts that turn out provable earlier cost little.
 std::int32_t useful_cuts(Eigen::Index n, double least_polynomial, double remainder) {
-  constexpr std::int32_t most = 6;
+  constexpr std::int32_t most = 60;
   const double dimension = static_cast<double>(n), shrink = 0.7 * std::pow((dimension - 0.5) / dimension, 3);
   std::int32_t cuts = 1;
   for (double left = shrink * remainder; cuts < most && least_polynomial < 0.0 && left > -least_polynomial;

@@ -112,8 +112,8 @@ struct TileForm {
   TileRow bound(const BoxTile& tile, double sign) const;
 };
 
-// How often to bisect a box of R^n before the next look, where a form's upper bound is not negative yet, from the least
-// value of its polynomial and its remainder: at least once.
+// How often to bisect a box of R^n until a form's upper bound may be negative, from the least value of its polynomial and
+// its remainder: at least once, and 60 times at most.
 std::int32_t useful_cuts(Eigen::Index n, double least_polynomial, double remainder);
 
 // A function R^n -> R^m that can be enclosed by Taylor models over tiles of boxes, in exact arithmetic with

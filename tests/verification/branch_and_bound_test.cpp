@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 
 #include "s2nnds/core/random.h"
@@ -110,7 +111,7 @@ TEST(BranchAndBound, StopsSoManyBoxesAfterTheFirstRefutedOne) {
   EXPECT_NEAR(result.open_volume, 1.0, 1e-12);
 }
 
-// Limits on boxes alone do not bound a level: one box may ask for more parts than there is room for.
+// Limits on boxes alone do not bound a level: its boxes may ask for more parts than there is room for.
 TEST(BranchAndBound, StopsBeforeBoxesTakeMoreMemoryThanAllowed) {
   BranchLimits limits;
   limits.max_bytes = 1e6;
@@ -120,11 +121,24 @@ TEST(BranchAndBound, StopsBeforeBoxesTakeMoreMemoryThanAllowed) {
   EXPECT_NEAR(few.open_volume, 1.0, 1e-12);
   EXPECT_GT(few.boxes, 1000);
   EXPECT_LT(few.boxes, 10000);
-  const BranchResult none = cut(40, {}, 1e-9);  // 2^40 parts
+  EXPECT_EQ(few.expected, 0.0);
+  limits.max_bytes = 1e4;
+  const BranchResult none = cut(40, limits, 1e-9);
   EXPECT_TRUE(none.stopped);
   EXPECT_EQ(none.boxes, 1);
   EXPECT_EQ(none.open_boxes, 1);
   EXPECT_NEAR(none.open_volume, 1.0, 1e-12);
+}
+
+TEST(BranchAndBound, StopsWhereFarTooManyBoxesSeemToBeNeeded) {
+  BranchLimits limits;
+  limits.max_expected = 1e9;
+  const BranchResult found = cut(30, limits, 1e-9);
+  EXPECT_EQ(found.boxes, 1 + 64 + 4096);  // six cuts at a time
+  EXPECT_TRUE(found.stopped);
+  EXPECT_NEAR(found.expected, 4096 * std::exp2(30), 1e6);
+  EXPECT_NEAR(found.open_volume, 1.0, 1e-12);
+  EXPECT_EQ(cut(1, limits).expected, 0.0);
 }
 
 TEST(BranchAndBound, NoCutAtAllIsAnError) { EXPECT_ANY_THROW(cut(0, {})); }
