@@ -17,7 +17,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double ball_resolution = 0.004;
 
 // Probes of the level a side, at most; all of them together cost less than the first boxes do.
-constexpr double most_probes = 256.0;
+constexpr double most_probes = 100.0;
 
 // What is known of V's level below which descent is not asked for. For several threads.
 struct LevelSearch {
