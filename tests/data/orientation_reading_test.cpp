@@ -28,7 +28,7 @@ class OrientationReading : public testing::Test {
     std::string text;
     for (int i = 0; i < samples; ++i) {
       const double s = i / (samples - 1.0);
-      text += fmt::format("{},{},{},{}", 0.1 * i, 1 - s, s * s, 0.5 * s);
+      text += fmt::format("{:.6g},{},{},{}", 0.1 * i, 1 - s, s * s, 0.5 * s);
       for (const double number : numbers(i, shown(s))) text += fmt::format(",{:.12g}", number);
       text += "\n";
     }
@@ -137,6 +137,7 @@ TEST_F(OrientationReading, BadRowsAreNamed) {
 TEST_F(OrientationReading, MissingNumbersAreDroppedAndSamplesThinned) {
   std::string text = "t,x,y,z,qx,qy,qz,qw\n" + rows(xyzw, 41);
   const auto place = text.find("\n0.3,");
+  ASSERT_NE(place, std::string::npos);
   const auto end = text.find('\n', place + 1);
   text = text.substr(0, text.rfind(',', end)) + ",NA" + text.substr(end);
   DataOptions options;
