@@ -325,6 +325,18 @@ class PageTest(StudioTest):
             chain.move_to_element_with_offset(box, *map(round, pixel))
         chain.release().perform()
 
+    def touch(self, page, places):
+        """A finger through places of the drawing, by the browser's own touch events."""
+        pixels = page.execute_script(
+            "const r = studio.portrait.box.getBoundingClientRect();"
+            "return arguments[0].map(([x, y]) => { const [a, b] = studio.portrait.place(x, y); return [r.left + a, r.top + b]; })", places)
+        page.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
+        for k, (x, y) in enumerate(pixels):
+            kind = "touchMove" if k else "touchStart"
+            page.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y}]})
+            time.sleep(0.012)
+        page.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
     def strokes(self, page):
         self.tool(page, "stroke")
         for shift in (-0.04, 0.0, 0.04):
@@ -453,6 +465,13 @@ class PageTest(StudioTest):
         self.assertEqual(page.execute_script("return studio.sketch.drawing.obstacles.length"), 1)
         time.sleep(0.8)
         self.picture(page, "phone-dark-drawn")
+        # A finger draws another demonstration, and the page does not scroll under it.
+        self.tool(page, "stroke")
+        page.execute_script("studio.portrait.box.scrollIntoView({block: 'center'})")
+        top = page.execute_script("return scrollY")
+        path = arc(0.0)
+        self.touch(page, list(zip(path["x"], path["y"]))[::3])
+        self.assertEqual(page.execute_script("return [studio.sketch.drawing.strokes.length, scrollY]"), [2, top])
         field.send_keys(Keys.TAB)
         self.assertNotEqual(page.execute_script("return document.activeElement.id"), "portrait")
         self.labels_and_contrast(page)
