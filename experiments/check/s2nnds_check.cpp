@@ -347,8 +347,7 @@ struct Claim {  // what is to be checked, as the file states it
   Region initial, unsafe;
   Numbers goal;  // [n] both regions stand in x = goal + scale z, z normalised
   double scale = 1.0;
-  string text;                 // the file's own words for the problem
-  bool is_executed = false;    // it also names errors with which a robot executes the motion
+  string text, unchecked;      // the file's own words for the problem, and which of them are not looked at
   std::vector<Numbers> cover;  // bytes for each of the conditions; none in a run file
 };
 string read_bytes(const string& path) {
@@ -460,7 +459,8 @@ Claim read_claim(const string& path) {
   const size_t n = claim.workspace.lower.size();
   claim.initial = read_region(need<toml::table>(problem, "initial"), n);
   claim.unsafe = read_region(need<toml::table>(problem, "unsafe"), n);
-  claim.is_executed = scope.contains("execution");
+  for (const char* part : {"execution", "orientation"})
+    if (scope.contains(part)) claim.unchecked += string(" [") + part + "]";
   for (size_t d = 0; d < n; ++d) {
     const double low = claim.workspace.lower[d], high = claim.workspace.upper.at(d);
     if (!(low < 0.0 && high > 0.0 && high - low < INFINITY)) fail("a workspace without goal or bounds");
@@ -679,8 +679,8 @@ bool run(const string& path, const std::vector<string>& policies) {
     std::puts(
         "Checked: every motion xdot = f(x) that starts in {B <= 0} stays in it for ever, never touches the "
         "unsafe set, and converges to the goal; the initial set lies in {B <= 0}.");
-  if (claim.is_executed)
-    std::puts("Not checked: [execution]; this is of xdot = f(x), not of how a robot executes it.");
+  if (!claim.unchecked.empty())
+    std::printf("Not checked:%s; this is of xdot = f(x).\n", claim.unchecked.c_str());
   for (const string& policy : policies) say("weights in " + policy, carries_weights(policy, claim));
   return all;
 }

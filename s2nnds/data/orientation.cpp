@@ -5,8 +5,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "s2nnds/core/check.h"
+
 namespace s2nnds {
 namespace {
+
+Eigen::Quaterniond quaternion(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
+Eigen::Vector4d numbers_of(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
   Eigen::Matrix3d m;
@@ -16,28 +21,36 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r) {
 
 }  // namespace
 
-Eigen::Vector4d product(const Eigen::Vector4d& a, const Eigen::Vector4d& b) {
-  const Eigen::Vector3d u = a.tail<3>(), v = b.tail<3>();
-  Eigen::Vector4d c;
-  c[0] = a[0] * b[0] - u.dot(v);
-  c.tail<3>() = a[0] * v + b[0] * u + u.cross(v);
-  return c;
+std::array<Eigen::Index, 4> places_in(const std::string& order) {
+  check(order == "xyzw" || order == "wxyz", "orientation: found the order '{}', expected xyzw or wxyz",
+        order);
+  if (order == "xyzw") return {3, 0, 1, 2};
+  return {0, 1, 2, 3};
 }
 
-Eigen::Vector4d inverse(const Eigen::Vector4d& q) { return {q[0], -q[1], -q[2], -q[3]}; }
+Eigen::Vector4d from_order(const Eigen::Vector4d& numbers, const std::string& order) {
+  return numbers(places_in(order));
+}
+
+Eigen::Vector4d to_order(const Eigen::Vector4d& q, const std::string& order) {
+  Eigen::Vector4d numbers;
+  numbers(places_in(order)) = q;
+  return numbers;
+}
+
+Eigen::Vector4d product(const Eigen::Vector4d& a, const Eigen::Vector4d& b) {
+  return numbers_of(quaternion(a) * quaternion(b));
+}
+
+Eigen::Vector4d inverse(const Eigen::Vector4d& q) { return numbers_of(quaternion(q).conjugate()); }
 
 Eigen::Vector4d quaternion_of(const Eigen::Vector3d& r) {
-  const double angle = r.norm();
-  // sin(angle / 2) / angle
-  const double share = angle < 1e-6 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
-  return {std::cos(0.5 * angle), share * r.x(), share * r.y(), share * r.z()};
+  return numbers_of(Eigen::Quaterniond(Eigen::AngleAxisd(r.norm(), r.stableNormalized())));
 }
 
 Eigen::Vector3d rotation_vector(const Eigen::Vector4d& q) {
-  const double sign = q[0] < 0.0 ? -1.0 : 1.0, sine = q.tail<3>().norm(), cosine = std::abs(q[0]);
-  // 2 atan(sine / cosine) / sine
-  const double share = sine < 1e-8 ? 2.0 / cosine : 2.0 * std::atan2(sine, cosine) / sine;
-  return sign * share * q.tail<3>();
+  const Eigen::AngleAxisd turn(quaternion(q));
+  return turn.angle() * turn.axis();
 }
 
 Points rotation_vectors(const Eigen::Vector4d& goal, const Points& orientation) {
@@ -59,13 +72,10 @@ Points orientations(const Eigen::Vector4d& goal, const Points& r) {
 }
 
 double angle_between(const Eigen::Vector4d& a, const Eigen::Vector4d& b) {
-  const Eigen::Vector4d c = product(inverse(a), b);
-  return 2.0 * std::atan2(c.tail<3>().norm(), std::abs(c[0]));
+  return quaternion(a).angularDistance(quaternion(b));
 }
 
-Eigen::Matrix3d rotation_matrix(const Eigen::Vector4d& q) {
-  return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
-}
+Eigen::Matrix3d rotation_matrix(const Eigen::Vector4d& q) { return quaternion(q).toRotationMatrix(); }
 
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& r) {
   const double square = r.squaredNorm(), angle = std::sqrt(square);

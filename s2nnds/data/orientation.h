@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <string>
+
 #include "s2nnds/core/points.h"
 
 namespace s2nnds {
@@ -8,6 +11,12 @@ namespace s2nnds {
 // Orientations are unit quaternions q = (w, x, y, z), one a row [M, 4]: the rotation that takes the frame of what moves
 // to the frame of the data. q and -q are one orientation. A rotation vector r [3] has the rotation's axis as its
 // direction and its angle, in radians, as its length; exp(r) is its quaternion.
+
+// Users write quaternions in the order "xyzw" or "wxyz". Where w, x, y and z stand there; the orientation that four such
+// numbers are; the numbers of an orientation. All throw Error for another order.
+std::array<Eigen::Index, 4> places_in(const std::string& order);
+Eigen::Vector4d from_order(const Eigen::Vector4d& numbers, const std::string& order);
+Eigen::Vector4d to_order(const Eigen::Vector4d& q, const std::string& order);
 
 // a b, the rotation b followed by a. All of these take and give (w, x, y, z).
 Eigen::Vector4d product(const Eigen::Vector4d& a, const Eigen::Vector4d& b);

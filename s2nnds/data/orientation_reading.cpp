@@ -18,10 +18,6 @@ constexpr double kLargestStep = M_PI / 3;
 constexpr double kUnmixedStep = M_PI / 12;  // as small is a step that the other order explains
 constexpr double kLargestTurn = 170.0 * M_PI / 180.0;
 
-Eigen::Vector4d in_order(const Eigen::Vector4d& numbers, const std::string& order) {
-  return order == "wxyz" ? numbers : Eigen::Vector4d(numbers[3], numbers[0], numbers[1], numbers[2]);
-}
-
 std::string other_order(const std::string& order) { return order == "wxyz" ? "xyzw" : "wxyz"; }
 
 // The recordings' orientations, one after another.
@@ -75,7 +71,7 @@ class Reader {
           "{}: found a quaternion of norm {:.3g}; expected 1 to within {:g}", recording_->place(i), norm,
           kNormTolerance);
     largest_deviation_ = std::max(largest_deviation_, std::abs(norm - 1.0));
-    return in_order(raw.row(i).transpose(), order_) / norm;
+    return from_order(raw.row(i).transpose(), order_) / norm;
   }
 
   // The nearest rotation.
@@ -97,7 +93,7 @@ class Reader {
     const double step = angle_between(last, q);
     if (step <= kLargestStep) return;
     if (raw.cols() == 4) {
-      const Eigen::Vector4d other = in_order(raw.row(i).transpose().normalized(), other_order(order_));
+      const Eigen::Vector4d other = from_order(raw.row(i).transpose().normalized(), other_order(order_));
       const double unmixed = angle_between(last, other);
       check(!(unmixed <= kUnmixedStep),
             "{}: found a turn of {:.0f} degrees from the sample before, but of {:.2g} if the numbers were {} "

@@ -498,14 +498,10 @@ struct Motion {{
 
 // velocity(x, q, v, omega).
 void write_orientation(Text& text, const PolicyInfo& info) {
-  const std::vector<int> places = places_in(info.quaternion_order);
-  Eigen::Vector4d goal;
+  const Eigen::Vector4d goal = goal_orientation_of(info);
   std::vector<std::string> parts, inverted, matrix;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const auto place = static_cast<std::size_t>(places[i]);
-    goal[static_cast<Eigen::Index>(i)] = info.goal_orientation[place];
+  for (const Eigen::Index place : places_in(info.quaternion_order))
     parts.push_back(fmt::format("q[{}]", place));
-  }
   for (const double part : inverse(goal)) inverted.push_back(literal(part, false));
   const Points rotation = rotation_matrix(goal);
   for (Eigen::Index i = 0; i < rotation.size(); ++i) matrix.push_back(literal(rotation.data()[i], false));

@@ -174,7 +174,7 @@ class AngularVelocity {
                               div(sub(angle, graph_.node("Sin", {angle})), mul(square, angle))});
     const std::string once = cross(r, rate), twice = cross(r, once);
     const std::string turned = add(rate, add(mul(first, once), mul(second, twice)));
-    const Points to_data = rotation_matrix(goal()).transpose();
+    const Points to_data = rotation_matrix(goal_orientation_of(policy_.info)).transpose();
     graph_.node("MatMul", {turned, graph_.constant_double(to_data)}, {}, output);
   }
 
@@ -189,22 +189,14 @@ class AngularVelocity {
                mul(graph_.columns(a, {2, 0, 1}), graph_.columns(b, {1, 2, 0})));
   }
 
-  Eigen::Vector4d goal() const {  // (w, x, y, z)
-    Eigen::Vector4d q;
-    for (std::size_t i = 0; i < 4; ++i)
-      q[static_cast<Eigen::Index>(i)] =
-          policy_.info
-              .goal_orientation[static_cast<std::size_t>(places_in(policy_.info.quaternion_order)[i])];
-    return q;
-  }
-
   // log(q_goal^-1 q): the product is linear in q.
   std::string rotation_vector() {
-    const std::vector<int> places = places_in(policy_.info.quaternion_order);
+    const Eigen::Vector4d inverse_goal = inverse(goal_orientation_of(policy_.info));
     Points map(4, 4);  // row: a number of the user's q; column: w, x, y, z of the product
-    for (std::size_t i = 0; i < 4; ++i)
-      map.row(places[i]) =
-          product(inverse(goal()), Eigen::Vector4d::Unit(static_cast<Eigen::Index>(i))).transpose();
+    for (Eigen::Index i = 0; i < 4; ++i) {
+      const Eigen::Vector4d unit = from_order(Eigen::Vector4d::Unit(i), policy_.info.quaternion_order);
+      map.row(i) = product(inverse_goal, unit).transpose();
+    }
     const std::string square =
         graph_.node("ReduceSum", {mul("orientation", "orientation"), graph_.axis_one()}, {{"keepdims", 1}});
     const std::string unit = div("orientation", graph_.node("Sqrt", {square}));

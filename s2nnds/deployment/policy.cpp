@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/orientation.h"
 #include "s2nnds/problem/interval.h"
 #include "s2nnds/verification/rounding_error.h"
 
@@ -46,7 +47,8 @@ Policy policy_of(const RunRecord& record) {
   if (record.orientation) {
     policy.orientation = record.orientation;
     info.quaternion_order = frame.quaternion_order;
-    info.goal_orientation = in_order(frame.goal_orientation, frame.quaternion_order);
+    const Eigen::Vector4d goal = to_order(frame.goal_orientation, frame.quaternion_order);
+    info.goal_orientation = {goal.begin(), goal.end()};
     info.orientation_rate = record.orientation->rate;
     info.orientation_error = record.orientation->initial_error;
     info.orientation_proved =
@@ -119,18 +121,8 @@ void check_fits_float(const NetworkWeights& network) {
   check_weight(network.quadratic);
 }
 
-std::vector<int> places_in(const std::string& order) {
-  check(order == "xyzw" || order == "wxyz", "policy: found the quaternion order '{}', expected xyzw or wxyz",
-        order);
-  return order == "xyzw" ? std::vector<int>{3, 0, 1, 2} : std::vector<int>{0, 1, 2, 3};
-}
-
-std::vector<double> in_order(const Eigen::Vector4d& q, const std::string& order) {
-  std::vector<double> numbers(4);
-  const std::vector<int> places = places_in(order);
-  for (std::size_t i = 0; i < 4; ++i)
-    numbers[static_cast<std::size_t>(places[i])] = q[static_cast<Eigen::Index>(i)];
-  return numbers;
+Eigen::Vector4d goal_orientation_of(const PolicyInfo& info) {
+  return from_order(Eigen::Map<const Eigen::Vector4d>(info.goal_orientation.data()), info.quaternion_order);
 }
 
 Points layers_at_origin(const NetworkWeights& network) {

@@ -113,9 +113,8 @@ void check_policy(const Policy& policy);
 // Throws Error unless every weight is within float's range.
 void check_fits_float(const NetworkWeights& network);
 
-// The four numbers (w, x, y, z) in the order of the user's quaternions, and where each of them stands there.
-std::vector<double> in_order(const Eigen::Vector4d& q, const std::string& order);
-std::vector<int> places_in(const std::string& order);
+// The goal's orientation (w, x, y, z) of a policy of poses.
+Eigen::Vector4d goal_orientation_of(const PolicyInfo& info);
 
 // N(0) of the layers alone, [1, m]: what the heads zero_at_origin and squared_norm subtract.
 Points layers_at_origin(const NetworkWeights& network);

@@ -177,10 +177,8 @@ std::string orientation_details(const RunRecord& record) {
   const OrientationCertificate& found = record.certificate.orientation;
   if (!found.proved || record.certificate.guarantee != Guarantee::invariant) return "";
   const Frame& frame = record.data.frame;
-  const Vector& q = frame.goal_orientation;
-  const bool last = frame.quaternion_order == "xyzw";
-  const std::string goal = last ? fmt::format("{:.5g}, {:.5g}, {:.5g}, {:.5g}", q[1], q[2], q[3], q[0])
-                                : fmt::format("{:.5g}, {:.5g}, {:.5g}, {:.5g}", q[0], q[1], q[2], q[3]);
+  const Eigen::Vector4d q = to_order(frame.goal_orientation, frame.quaternion_order);
+  const std::string goal = fmt::format("{:.5g}, {:.5g}, {:.5g}, {:.5g}", q[0], q[1], q[2], q[3]);
   const double room = degrees_down(M_PI - found.bound), covered = degrees_down(found.initial_error);
   return fmt::format(
       " Of the orientation: with r = log(q_goal^-1 q) and e = r - psi(p), the law makes e fall as exp(-{} "

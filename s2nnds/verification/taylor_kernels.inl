@@ -383,31 +383,31 @@ void activate(const LayerTile& layer) {
       largest = larger(largest, magnitude(e.value) + first * linear + bent);
       // p = sigma'(z) zdot about (z0, zdot0), for each derivative.
       for (ptrdiff_t s = 1; s < layer.streams; ++s) {
-      const double* rate = z + s * block;
-      const Lanes rate_r = complete_remainder(layer, i, s, t);
-      const Lanes rate_linear = spread(rate + tile_boxes, half, n);
-      const Lanes rate_quadratic = quadratic_size(rate + hessian, half, n);
-      const Lanes rate_deviation = (rate_quadratic + rate_r) * slack;
-      const Lanes rate_radius = (rate_linear + rate_deviation) * slack;
-      store(z_remainder + s * tile_boxes, rate_deviation);
-      const Lanes rate0 = load(rate), cross = e.second * rate0, bend = e.third * rate0;
-      const Lanes cross_size = magnitude(cross), bend_size = magnitude(bend);
-      store(a + s * block, e.first * rate0);
-      for (ptrdiff_t d = 1; d < columns; ++d) {
-        store(a + s * block + d * tile_boxes,
-              e.first * load(rate + d * tile_boxes) + cross * load(z + d * tile_boxes));
-      }
-      add_square(a + s * block + hessian, bend, z + tile_boxes, n);
-      add_product(a + s * block + hessian, 2.0 * e.second, z + tile_boxes, rate + tile_boxes, n);
-      const Lanes rate_size = magnitude(rate0) + rate_radius;
-      const Lanes rate_line = first * rate_linear + cross_size * linear;
-      const Lanes rate_bent = first * rate_quadratic + cross_size * quadratic +
-                              0.5 * bend_size * linear * linear + second * linear * rate_linear;
-      const Lanes rounding = twice * (first * magnitude(rate0) + rate_line + 3.0 * rate_bent);
-      const Lanes cubic =
-          second * (deviation * rate_radius + linear * rate_deviation) + 0.5 * bend_size * square_error +
-          0.5 * magnitude(e.third) * radius * radius * rate_radius + e.first_error * rate_size;
-      store(out_remainder + s * tile_boxes, (first * rate_r + cross_size * r + cubic + rounding) * slack);
+        const double* rate = z + s * block;
+        const Lanes rate_r = complete_remainder(layer, i, s, t);
+        const Lanes rate_linear = spread(rate + tile_boxes, half, n);
+        const Lanes rate_quadratic = quadratic_size(rate + hessian, half, n);
+        const Lanes rate_deviation = (rate_quadratic + rate_r) * slack;
+        const Lanes rate_radius = (rate_linear + rate_deviation) * slack;
+        store(z_remainder + s * tile_boxes, rate_deviation);
+        const Lanes rate0 = load(rate), cross = e.second * rate0, bend = e.third * rate0;
+        const Lanes cross_size = magnitude(cross), bend_size = magnitude(bend);
+        store(a + s * block, e.first * rate0);
+        for (ptrdiff_t d = 1; d < columns; ++d) {
+          store(a + s * block + d * tile_boxes,
+                e.first * load(rate + d * tile_boxes) + cross * load(z + d * tile_boxes));
+        }
+        add_square(a + s * block + hessian, bend, z + tile_boxes, n);
+        add_product(a + s * block + hessian, 2.0 * e.second, z + tile_boxes, rate + tile_boxes, n);
+        const Lanes rate_size = magnitude(rate0) + rate_radius;
+        const Lanes rate_line = first * rate_linear + cross_size * linear;
+        const Lanes rate_bent = first * rate_quadratic + cross_size * quadratic +
+                                0.5 * bend_size * linear * linear + second * linear * rate_linear;
+        const Lanes rounding = twice * (first * magnitude(rate0) + rate_line + 3.0 * rate_bent);
+        const Lanes cubic =
+            second * (deviation * rate_radius + linear * rate_deviation) + 0.5 * bend_size * square_error +
+            0.5 * magnitude(e.third) * radius * radius * rate_radius + e.first_error * rate_size;
+        store(out_remainder + s * tile_boxes, (first * rate_r + cross_size * r + cubic + rounding) * slack);
         double* size = layer.magnitude_out + s * tile_boxes + t;
         store(size, larger(load(size), first * magnitude(rate0) + rate_line + rate_bent));
       }

@@ -42,7 +42,8 @@ class PosePolicy : public testing::TestWithParam<const char*> {
     law.initial_error = 0.4;
     made.orientation = law;
     made.info.quaternion_order = order;
-    made.info.goal_orientation = in_order(goal_, order);
+    const Eigen::Vector4d goal = to_order(goal_, order);
+    made.info.goal_orientation = {goal.begin(), goal.end()};
     made.info.orientation_rate = law.rate;
     made.info.orientation_error = law.initial_error;
     made.info.orientation_proved = 1;
@@ -95,9 +96,8 @@ TEST_P(PosePolicy, TheHeaderTurnsAsTheLawDoes) {
     const Points q = orientations(goal_, r);
     Points given(200, 4);
     for (Eigen::Index i = 0; i < 200; ++i) {
-      const std::vector<double> numbers = in_order(q.row(i).transpose(), order);
       const double size = i % 2 == 0 ? -0.99 : 1.01;  // another sign, no unit quaternion
-      for (Eigen::Index k = 0; k < 4; ++k) given(i, k) = size * numbers[static_cast<std::size_t>(k)];
+      given.row(i) = size * to_order(q.row(i).transpose(), order).transpose();
     }
     const Points found = ask(positions(z), given);
     const Points v = 25.0 * made.networks.f.value(z);
