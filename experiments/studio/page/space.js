@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A run in three dimensions on one canvas: workspace, demonstrations and motions as lines, and the safe set and the
-// obstacle cut by a plane. Dragging (or arrow keys) turns it.
+// A run in three dimensions on one canvas: workspace, demonstrations and motions as lines, the obstacle by its
+// outlines, and the safe set and the obstacle cut by a plane. Dragging (or arrow keys) turns it.
 import { edgeOfSet, fillOfSet } from './contours.js';
 
 const SIDE = 61;
@@ -85,11 +85,7 @@ export class Space {
         line([corner(k), corner(k | (1 << i))], colour('outside'), 1);
       }
     }
-    const place = (a, b) => {
-      const x = [...this.at];
-      [a, b].forEach((v, k) => (x[this.axes[k]] = lower[this.axes[k]] + (v / (SIDE - 1)) * (upper[this.axes[k]] - lower[this.axes[k]])));
-      return this.project(x);
-    };
+    const place = this.placing(this.axis, this.at[this.axis], SIDE);
     c.globalAlpha = 0.75;
     c.fillStyle = colour('safe');
     c.fill(fillOfSet(this.barrier, SIDE, place));
@@ -106,33 +102,48 @@ export class Space {
     c.fill();
   }
 
-  // From its levels on the run's grid: between the two layers nearest to the plane.
+  // From its levels on the run's grid: outlines on layers across all axes show the whole of it, and where the plane is,
+  // on the layer nearest to it, it is filled.
   drawObstacle(c, colour) {
-    const levels = this.motion.run.levels;
-    if (!levels) return;
-    this.unsafe ??= unpackLevels(levels);
+    if (!this.motion.run.levels) return;
+    this.unsafe ??= unpackLevels(this.motion.run.levels);
+    const { side } = this.unsafe;
+    this.outlines ??= [0, 1, 2].flatMap((axis) =>
+      [...Array(Math.ceil(side / 2)).keys()].map((k) => this.layer(axis, 2 * k)).filter(({ values }) => values.some((v) => v <= 0)));
+    c.strokeStyle = colour('unsafe-edge');
+    c.lineWidth = 1;
+    c.globalAlpha = 0.6;
+    for (const { values, axis, at } of this.outlines) c.stroke(edgeOfSet(values, side, this.placing(axis, at, side)));
+    c.globalAlpha = 1;
+    const { values } = this.layer(this.axis, Math.round(this.share * (side - 1)));
+    const place = this.placing(this.axis, this.at[this.axis], side);
+    c.fillStyle = colour('unsafe');
+    c.fill(fillOfSet(values, side, place));
+    c.stroke(edgeOfSet(values, side, place));
+  }
+
+  // The obstacle's levels on one layer of the grid.
+  layer(axis, index) {
     const { side, values } = this.unsafe;
-    const layer = Math.round(this.share * (side - 1));
+    const stride = [side * side, side, 1];
+    const [first, second] = [0, 1, 2].filter((i) => i !== axis);
     const flat = new Float32Array(side * side);
     for (let a = 0; a < side; ++a) {
-      for (let b = 0; b < side; ++b) {
-        const index = [0, 0, 0];
-        index[this.axis] = layer;
-        index[this.axes[0]] = a;
-        index[this.axes[1]] = b;
-        flat[a * side + b] = values[(index[0] * side + index[1]) * side + index[2]];
-      }
+      for (let b = 0; b < side; ++b) flat[a * side + b] = values[a * stride[first] + b * stride[second] + index * stride[axis]];
     }
     const { lower, upper } = this.motion;
-    const place = (a, b) => {
-      const x = [...this.at];
-      [a, b].forEach((v, k) => (x[this.axes[k]] = lower[this.axes[k]] + (v / (side - 1)) * (upper[this.axes[k]] - lower[this.axes[k]])));
+    return { values: flat, axis, at: lower[axis] + (index / (side - 1)) * (upper[axis] - lower[axis]) };
+  }
+
+  // Where grid coordinates of a plane across `axis` are drawn.
+  placing(axis, at, side) {
+    const { lower, upper } = this.motion;
+    const axes = [0, 1, 2].filter((i) => i !== axis);
+    return (...coordinates) => {
+      const x = [at, at, at];
+      coordinates.forEach((v, k) => (x[axes[k]] = lower[axes[k]] + (v / (side - 1)) * (upper[axes[k]] - lower[axes[k]])));
       return this.project(x);
     };
-    c.fillStyle = colour('unsafe');
-    c.fill(fillOfSet(flat, side, place));
-    c.strokeStyle = colour('unsafe-edge');
-    c.stroke(edgeOfSet(flat, side, place));
   }
 }
 
