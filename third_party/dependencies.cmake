@@ -79,6 +79,7 @@ if(S2NNDS_BUILD_EXPERIMENTS)
   if(TARGET mujoco::mujoco AND MUJOCO_INCLUDE_DIR)  # Debian's also names a folder of a package that it does not ask for
     set_target_properties(mujoco::mujoco PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${MUJOCO_INCLUDE_DIR}")
   endif()
+  find_package(Franka 0.18 QUIET)                             # experiments/fci_drawing; left out without libfranka
 endif()
 if(S2NNDS_BUILD_BENCHMARKS)
   find_package(benchmark 1.7 QUIET)                           # tests/benchmarks/; without it they are left out

@@ -380,7 +380,7 @@ class DriverTest(ProgramTest):
     """A driver of experiments/, which stands beside the program."""
 
     def drive(self, *words):
-        driver = os.path.join(os.path.dirname(command_line.PROGRAM), "../../experiments/cluttered_sine")
+        driver = command_line.driver("cluttered_sine")
         done = subprocess.run(
             [driver, "--data", self.folder, "--no-figures", *words], cwd=self.folder, capture_output=True, text=True
         )

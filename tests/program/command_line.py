@@ -214,6 +214,11 @@ class ProgramTest(unittest.TestCase):
             self.assertIn(str(word), err)
 
 
+def driver(name):
+    """The driver of that name, which may not have been built."""
+    return os.path.join(os.path.dirname(PROGRAM), "../../experiments", name)
+
+
 def main():
     global PROGRAM
     if len(sys.argv) < 2 or not os.access(sys.argv[1], os.X_OK):

@@ -178,7 +178,7 @@ class RobotTest(ProgramTest):
             self.assertEqual(int(out.split()[0]) > 0, leave, f"{out} of {motions}, {times} times {low} of the shape")
 
     def test_a_simulated_arm_draws_the_motion(self):
-        program = os.path.join(os.path.dirname(command_line.PROGRAM), "robot_drawing")
+        program = command_line.driver("robot_drawing")
         if not os.path.exists(program):
             self.skipTest("robot_drawing was not built: found no MuJoCo")
         out = self.path("drawing")
