@@ -2,10 +2,13 @@
 #include "s2nnds/runs/adaptation.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/settings.h"
 #include "s2nnds/core/stopwatch.h"
+#include "s2nnds/data/readers.h"
 #include "s2nnds/runs/evaluation_run.h"
 #include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/training_checkpoint.h"
@@ -18,21 +21,61 @@ namespace {
 // Of the rounds that go on from the old networks. Most of what they must do is near the old B.
 constexpr std::int64_t kRounds = 10, kBarrierRounds = 1, kSteps = 120, kLabels = 1500;
 
+bool names(const std::string& setting, const std::string& key) { return setting.starts_with(key + "="); }
+
+bool names_demonstrations(const std::string& setting) {
+  constexpr const char* keys[] = {"data.files", "data.use", "data.test", "data.validation"};
+  return std::any_of(std::begin(keys), std::end(keys), [&](const char* key) { return names(setting, key); });
+}
+
 void check_settings(const std::vector<std::string>& settings) {
   check(!settings.empty(),
         "adapt: found no settings, expected what changes, such as problem.unsafe.center=[0.1, 0.2]");
   for (const std::string& setting : settings) {
-    check(!setting.starts_with("data."),
-          "adapt: found the setting \"{}\": another goal or other demonstrations make another motion, which "
-          "`train` "
-          "learns from a configuration that names them; expected keys below problem.",
-          setting);
-    check(setting.starts_with("problem."),
-          "adapt: found the setting \"{}\", expected keys below problem. (demonstrations, frame and networks "
-          "stay; "
-          "`train` makes another motion)",
+    check(setting.starts_with("problem.") || names(setting, "data.goal") || names_demonstrations(setting),
+          "adapt: found the setting \"{}\", expected keys below problem., data.goal, or which demonstrations "
+          "there are "
+          "(data.files, use, test, validation); `train` makes other motions",
           setting);
   }
+}
+
+// The demonstrations that the configuration names now, seen in the old run's frame: the networks know no other.
+void read_again(const Config& config, const std::string& data_dir, RunData& data) {
+  DemonstrationSet as_read = read_demonstrations(config.data, data_dir);
+  check(as_read.dimension() == data.dimension,
+        "adapt: found demonstrations in {} dimensions, expected {} as before", as_read.dimension(),
+        data.dimension);
+  const Frame old = data.frame;
+  const WordOrNumbers same_goal{.word = "", .numbers = {old.goal.begin(), old.goal.end()}};
+  data.frame =
+      find_frame(as_read, old.normalization, old.moves_demonstrations() ? WordOrNumbers{"each"} : same_goal);
+  data.frame.name = old.name;
+  data.frame.goal = old.goal;
+  data.frame.goal_orientation = old.goal_orientation;
+  data.frame.position_scale = old.position_scale;
+  data.frame.velocity_scale = old.velocity_scale;
+  data.split = split_demonstrations(as_read.demonstrations.size(), config.data.test, config.data.validation);
+  data.demonstrations = std::move(as_read.demonstrations);
+  data.report = std::move(as_read.report);
+}
+
+// The old run's demonstrations and frame, as far as the settings do not change them. Where the goal moves, the motion moves
+// with it: in normalised units the scene moves the other way.
+RunData changed_data(const RunRecord& old, const Config& config, const std::vector<std::string>& settings,
+                     const std::string& data_dir) {
+  RunData data = old.data;
+  if (std::any_of(settings.begin(), settings.end(), names_demonstrations)) read_again(config, data_dir, data);
+  if (std::any_of(settings.begin(), settings.end(),
+                  [](const auto& each) { return names(each, "data.goal"); })) {
+    const std::vector<double>& goal = config.data.goal.numbers;
+    check(config.data.goal.word.empty() && std::ssize(goal) == data.dimension &&
+              std::all_of(goal.begin(), goal.end(), [](double x) { return std::isfinite(x); }),
+          "adapt: data.goal: found something else than a point, expected {} finite coordinates",
+          data.dimension);
+    data.frame.goal = Eigen::Map<const Vector>(goal.data(), data.dimension);
+  }
+  return data;
 }
 
 bool is_certified(const PreparedRun& setup, const RunRecord& record) {
@@ -71,16 +114,17 @@ class Adapter {
     record.orientation = old_.orientation;
     if (old_.checkpoint) record.checkpoint = old_.checkpoint, record.history = old_.history;
     prove(setup_, record);
-    if (is_certified(setup_, record) && follows(record)) return finish(std::move(record), Adaptation::held);
+    if (is_certified(setup_, record) && follows(record.networks.f))
+      return finish(std::move(record), Adaptation::held);
     if (cancelled()) return finish(std::move(record), Adaptation::failed);
     record = go_on();
-    if (is_certified(setup_, record) && follows(record))
+    if (is_certified(setup_, record) && follows(record.networks.f))
       return finish(std::move(record), Adaptation::adapted);
     if (cancelled()) return finish(std::move(record), Adaptation::failed);
     record = fresh();
     train(setup_, record, hooks());
     prove(setup_, record);
-    const bool certified = is_certified(setup_, record) && follows(record);
+    const bool certified = is_certified(setup_, record) && follows(record.networks.f);
     return finish(std::move(record), certified ? Adaptation::anew : Adaptation::failed);
   }
 
@@ -95,14 +139,14 @@ class Adapter {
             .until_certified = true};
   }
 
-  bool follows(const RunRecord& record) const { return worst_deviation(setup_, record.networks.f) <= 1.0; }
+  bool follows(const NetworkWeights& f) const { return worst_deviation(setup_, f) <= 1.0; }
 
   // From the old networks: B alone, then all three.
   RunRecord go_on() const {
     PreparedRun quick = setup_;
     TrainerOptions& training = quick.config.training;
     training.rounds = kRounds;
-    training.barrier_rounds = kBarrierRounds;
+    training.barrier_rounds = follows(old_.networks.f) ? kBarrierRounds : 0;
     training.steps = training.enlarge_steps = kSteps;
     training.rollout_points = std::min(training.rollout_points, kLabels);
     training.rate_period = 0;
@@ -151,11 +195,12 @@ AdaptationResult adapt(const RunRecord& old, const std::vector<std::string>& set
                        const std::string& data_dir, const AdaptationHooks& hooks) {
   check_settings(settings);
   const std::string text = with_settings(old.config.resolved, "the run's configuration", settings);
+  const Config config = parse_config(text, "the run's configuration");
   const bool names_files = std::any_of(settings.begin(), settings.end(), [](const std::string& setting) {
-    return setting.find("file") != std::string::npos;
+    return setting.starts_with("problem.") && setting.find("file") != std::string::npos;
   });
   RegionFiles files = names_files ? RegionFiles(data_dir) : RegionFiles(old.problem.files);
-  PreparedRun setup = prepare(parse_config(text, "the run's configuration"), old.data, std::move(files));
+  PreparedRun setup = prepare(config, changed_data(old, config, settings, data_dir), std::move(files));
   return Adapter(old, std::move(setup), text, hooks).run();
 }
 

@@ -26,8 +26,8 @@ struct AdaptationResult {
   RunRecord record;  // of the new scene, proved; its safe area is not measured
   Adaptation outcome = Adaptation::failed;
   double seconds = 0.0;  // of all that adapt() did
-  // Normalised: the largest distance of a motion from a training demonstration's start from the old run's, matched
-  // in order along both.
+  // Normalised, seen from the goal: the largest distance of a motion from a training demonstration's start from the old
+  // run's, matched in order along both.
   double motion_change = 0.0;
 };
 
@@ -37,11 +37,13 @@ struct AdaptationHooks {
   std::function<bool()> cancelled;                    // true ends it after the round; may be empty
 };
 
-// From a run with networks to a certified run in a changed scene: `settings` ("problem.unsafe.center=[0.1, 0.2]") change
-// keys of its configuration below problem. Demonstrations, frame and seed stay those of the run. First the
-// old networks are proved in the new scene; then B alone is trained, then all three, at most ten rounds; then from
-// scratch. `data_dir` has files that the settings name. The motion stays what it was as long as B alone trains.
-// Throws Error for settings of other keys, for scenes that make_problem refuses, and runs without a training split.
+// From a run with networks to a certified run in a changed scene. `settings` ("problem.unsafe.center=[0.1, 0.2]") change
+// keys of its configuration: any below problem; data.goal, a point [n] in the data's frame, to which the motion moves as it is, while
+// sets in the data's frame stay where they are; data.files, use, test and validation, after which demonstrations are read again.
+// The frame's scales and the seed stay those of the run. First the old networks are proved in the new scene; then B alone
+// is trained (where the old motion follows the demonstrations), then all three, at most ten rounds; then from scratch.
+// `data_dir` has files that the settings name. The motion stays what it was as long as B alone trains. Throws Error for
+// settings of other keys, for scenes that make_problem refuses, and runs without a training split.
 AdaptationResult adapt(const RunRecord& old, const std::vector<std::string>& settings,
                        const std::string& data_dir, const AdaptationHooks& hooks = {});
 

@@ -67,8 +67,10 @@ class AdaptTest(ProgramTest):
 
     def test_refuses_what_it_cannot_change(self):
         for words, expected in ((("--set", "training.rounds=3"), "expected keys below problem."),
-                                (("--set", "data.goal=[0.1, 0.0]"), "another goal or other demonstrations"),
-                                (("--set", 'data.files=["more.csv"]'), "another goal or other demonstrations"),
+                                (("--set", "data.unit=m"), "expected keys below problem., data.goal"),
+                                (("--set", "data.goal=[0.1, 0.0, 0.0]"), "expected 2 finite coordinates"),
+                                (("--set", "data.goal=each"), "found something else than a point"),
+                                (("--set", 'data.use=[0, 9]'), "data.use"),
                                 (("--set", "problem.unsafe.center=[0.0, 0.0]"), "problem.unsafe"),
                                 (("--set", "problem.unsafe.centre=[0.1, 0.1]"), "centre")):
             with self.subTest(words=words):
@@ -77,6 +79,57 @@ class AdaptTest(ProgramTest):
                 self.assertEqual(len(err.strip().splitlines()), 1, err)
                 self.assertIn(expected, err)
                 self.assertFalse(os.path.exists(self.path("new.h5")))
+
+
+class AnotherMotionTest(ProgramTest):
+    """Strokes in metres past a ball, which stays where it is: another goal, and further demonstrations."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.folder_of_data = os.path.join(cls.store, "strokes")
+        os.makedirs(cls.folder_of_data)
+        for k, height in enumerate((0.30, 0.33, 0.36, 0.27)):  # the last one is added later
+            s = np.linspace(0.0, 1.0, 120)
+            x, y = 0.9 - 0.5 * s, 0.2 + height * np.sin(np.pi * s) ** 2 * (1 - s)
+            name = f"{'more' if k == 3 else 'd'}{k}.csv"
+            np.savetxt(os.path.join(cls.folder_of_data, name), np.stack([3 * s, x, y], axis=1), delimiter=",",
+                       header="time,x,y", comments="")
+        config, cls.run_file = os.path.join(cls.store, "strokes.toml"), os.path.join(cls.store, "strokes.h5")
+        with open(config, "w", encoding="utf-8") as file:
+            file.write('name = "strokes"\n[data]\nsource = "csv"\nunit = "m"\nfiles = ["d*.csv"]\ntest = []\n'
+                       '[problem]\nunsafe = { type = "ball", center = [0.62, 0.15], radius = 0.06 }\n')
+        code, _, err = command_line.call("train", config, "--data", cls.folder_of_data, "--out", cls.run_file, "--until",
+                                         "certified", cwd=cls.store)
+        assert code == 0, err
+
+    def adapted(self, *words):
+        out_file = self.path("new.h5")
+        code, out, err = self.call("adapt", self.run_file, *words, "--data", self.folder_of_data, "--out", out_file, "--json")
+        self.assertEqual(code, 0, err)
+        self.assertEqual(self.call("verify", out_file, "--method", "proof")[0], 0)
+        return json.loads(out.splitlines()[-1])
+
+    def test_the_motion_moves_to_another_goal_and_the_obstacle_stays(self):
+        from s2nnds import Run
+
+        goal = [0.42, 0.17]
+        found = self.adapted("--set", f"data.goal={goal}")
+        self.assertEqual(found["guarantee"], "invariant")
+        old, new = Run(self.run_file), Run(self.path("new.h5"))
+        np.testing.assert_allclose(new.data.goal, goal)
+        self.assertEqual(new.data.position_scale, old.data.position_scale)
+        for run in (old, new):
+            self.assertGreater(float(np.min(run.barrier([[0.62, 0.15]]))), 0.0)
+        self.assertLessEqual(float(np.max(np.abs(new.velocity([goal])))), 1e-12)
+
+    def test_follows_a_further_demonstration_too(self):
+        from s2nnds import Run
+
+        found = self.adapted("--set", 'data.files=["d*.csv", "more3.csv"]')
+        self.assertEqual(found["guarantee"], "invariant")
+        self.assertTrue(found["follows"])
+        self.assertEqual(len(Run(self.path("new.h5")).data.demonstrations), 4)
 
 
 class FidelityTest(ProgramTest):
