@@ -54,6 +54,8 @@ Ball least(const Ball& a, const Ball& b) { return made_by<arb_min>(a, b); }
 Ball greatest(const Ball& a, const Ball& b) { return made_by<arb_max>(a, b); }
 bool is_below(const Ball& a, const Ball& b) { return arb_lt(a.ball, b.ball) != 0; }
 Ball tanh(Ball a) { return arb_tanh(a.ball, a.ball, bits), a; }
+Ball sine(Ball a) { return arb_sin(a.ball, a.ball, bits), a; }
+Ball cosine(Ball a) { return arb_cos(a.ball, a.ball, bits), a; }
 const Ball zero, one(1.0), two(2.0), half(0.5);
 // start + sum_k a_k b_k over `count` balls, of b every `stride`-th.
 Ball dot(const Ball& start, const Ball* a, const Ball* b, size_t count, size_t stride = 1) {
@@ -269,9 +271,140 @@ Numbers list(const toml::table& table, const char* key) {
 double scalar(const toml::table& table, const char* key) {
   return table[key].is_number() ? *table[key].value<double>() : (fail(string("no number ") + key), NAN);
 }
+using Point = std::array<Ball, 3>;
+// A frame of an arm as seen from its base.
+struct ArmFrame {
+  std::array<Ball, 9> axes{one, zero, zero, zero, one, zero, zero, zero, one};  // [3 i + j]: of axis j
+  Point origin;
+  void turn(size_t axis, const Ball& angle) {  // towards the next axis
+    const Ball c = cosine(angle), s = sine(angle);
+    for (size_t i = axis; i < 9; i += 3) {
+      const Ball before = axes[i];
+      axes[i] = c * before + s * axes[i + 1];
+      axes[i + 1] = c * axes[i + 1] - s * before;
+    }
+  }
+  Point at(const Balls& x) const {
+    Point place;
+    for (size_t i = 0; i < 3; ++i) place[i] = dot(origin[i], &axes[3 * i], x.data(), 3);
+    return place;
+  }
+};
+// A capsule between points of two frames, held by parts + 1 balls of radius `reach` along its axis.
+struct ArmBody {
+  size_t from, to;  // frames
+  Balls start, end;
+  int parts;
+  Ball reach;
+};
+ArmBody make_body(size_t from, size_t to, const Balls& start, const Balls& end, double length,
+                  Ball squared_length, double radius) {
+  if (!(radius > 0.0 && radius < INFINITY)) fail("a body whose radius is not positive");
+  const double parts = std::min(std::ceil(length / (0.4 * radius)), 200.0);
+  if (!(parts >= 0.0)) fail("a body that is not finite");
+  Ball gap = parts > 0.0 ? squared_length / Ball(4.0 * parts * parts) : zero;
+  Ball reach = Ball(radius) * Ball(radius) + gap;
+  arb_sqrt(reach.ball, reach.ball, bits);
+  return {from, to, start, end, static_cast<int>(parts), reach};
+}
+std::vector<Numbers> rows(const toml::table& table, const char* key, size_t columns) {
+  std::vector<Numbers> found;
+  for (const toml::node& row : need<toml::array>(table, key)) {
+    found.emplace_back();
+    if (const toml::array* numbers = row.as_array())
+      for (const toml::node& node : *numbers) found.back().push_back(node.value<double>().value());
+    if (found.back().size() != columns) fail(string("a row of ") + key + " of another length");
+  }
+  return found;
+}
+std::vector<ArmFrame> arm_frames(const std::vector<Numbers>& dh, bool modified, const Ball& unit,
+                                 const Balls& q) {
+  std::vector<ArmFrame> frames(1);
+  for (size_t i = 0; i < dh.size(); ++i) {
+    ArmFrame frame = frames.back();
+    const Ball angle = unit * q[i] + Ball(dh[i][3]);
+    if (!modified) frame.turn(0, angle);
+    frame.origin = frame.at({modified ? Ball(dh[i][0]) : zero, zero, modified ? zero : Ball(dh[i][2])});
+    if (modified && dh[i][1] != 0.0) frame.turn(1, dh[i][1]);
+    frame.origin = frame.at({modified ? zero : Ball(dh[i][0]), zero, modified ? Ball(dh[i][2]) : zero});
+    if (!modified && dh[i][1] != 0.0) frame.turn(1, dh[i][1]);
+    if (modified) frame.turn(0, angle);
+    frames.push_back(frame);
+  }
+  return frames;
+}
+// The joint angles at which a capsule of an arm meets a ball. Level: the least squared distance less the squared radii.
+Region read_arm(const toml::table& table, size_t n) {
+  for (const char* key : {"base", "rotation"})
+    if (!need<toml::array>(table, key).empty())
+      fail(string("an arm with ") + key + ", which this program cannot check");
+  if (table["inflate"].value_or(0.0) != 0.0) fail("an arm with inflate, which this program cannot check");
+  const std::vector<Numbers> dh = rows(table, "dh", 4);
+  const string convention = table["convention"].value_or(string()),
+               joint_unit = table["joint_unit"].value_or(string());
+  const bool modified = convention == "modified";
+  if (dh.size() != n || (!modified && convention != "standard") ||
+      (joint_unit != "rad" && joint_unit != "deg"))
+    fail("an arm that is none of n joints");
+  std::vector<ArmBody> bodies;
+  const double radius = scalar(table, "radius");
+  for (size_t i = 0; radius > 0.0 && i < n; ++i)
+    bodies.push_back(make_body(i, i + 1, Balls(3), Balls(3), std::hypot(dh[i][0], dh[i][2]),
+                               Ball(dh[i][0]) * Ball(dh[i][0]) + Ball(dh[i][2]) * Ball(dh[i][2]), radius));
+  const auto add = [&](double on, const Numbers& start, const Numbers& end, double thickness) {
+    Ball squared;
+    double length = 0.0;
+    for (size_t d = 0; d < 3; ++d) {
+      const Ball along = Ball(end[d]) - Ball(start[d]);
+      squared = squared + along * along, length = std::hypot(length, end[d] - start[d]);
+    }
+    if (!(on >= 0.0 && on <= static_cast<double>(n))) fail("a body on no frame");
+    const auto frame = static_cast<size_t>(on);
+    bodies.push_back(make_body(frame, frame, {start[0], start[1], start[2]}, {end[0], end[1], end[2]}, length,
+                               squared, thickness));
+  };
+  const Numbers tip = list(table, "tip");
+  if (radius > 0.0 && tip.size() == 3) add(static_cast<double>(n), Numbers(3), tip, radius);
+  for (const Numbers& row : rows(table, "spheres", 5))
+    add(row[0], {row[1], row[2], row[3]}, {row[1], row[2], row[3]}, row[4]);
+  for (const Numbers& row : rows(table, "capsules", 8))
+    add(row[0], {row[1], row[2], row[3]}, {row[4], row[5], row[6]}, row[7]);
+  std::vector<std::pair<Numbers, Ball>> obstacles;  // centers and radii
+  for (const toml::node& node : need<toml::array>(table, "obstacles")) {
+    const toml::table& one_of = *node.as_table();
+    if (one_of["type"].value_or(string()) != "ball")
+      fail("an arm's obstacle that is no ball, which this program cannot check");
+    obstacles.emplace_back(list(one_of, "center"),
+                           Ball(scalar(one_of, "radius")) + Ball(scalar(one_of, "inflate")));
+    if (obstacles.back().first.size() != 3) fail("no 3 numbers center");
+  }
+  if (bodies.empty() || obstacles.empty()) fail("an arm without bodies or obstacles");
+  Ball unit = one;
+  if (joint_unit == "deg") arb_const_pi(unit.ball, bits), unit = unit / Ball(180.0);
+  const auto level = [=](const Balls& q) {
+    const std::vector<ArmFrame> frames = arm_frames(dh, modified, unit, q);
+    Ball nearest(1e300);
+    for (const ArmBody& body : bodies) {
+      const Point start = frames[body.from].at(body.start), end = frames[body.to].at(body.end);
+      for (int k = 0; k <= body.parts; ++k) {
+        const Ball share = body.parts > 0 ? Ball(k) / Ball(body.parts) : zero;
+        for (const auto& [center, size] : obstacles) {
+          Balls apart;
+          for (size_t d = 0; d < 3; ++d)
+            apart.push_back((one - share) * start[d] + share * end[d] - Ball(center[d]));
+          const Ball touching = body.reach + size;
+          nearest = least(nearest, dot(-(touching * touching), apart.data(), apart.data(), 3));
+        }
+      }
+    }
+    return nearest;
+  };
+  return {level, Balls(n, -INFINITY), Balls(n, INFINITY)};
+}
 // From its TOML table. Throws on what this program does not know.
 Region read_region(const toml::table& table, size_t n) {
   const string type = table["type"].value_or(string("none"));
+  if (type == "arm") return read_arm(table, n);
   const string known = " type inflate center radius semi_axes lower upper normal offset of level ";
   for (const auto& [name, value] : table) {
     const string key(name.str());

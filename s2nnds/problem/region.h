@@ -58,11 +58,13 @@ struct PolygonHole {
 struct RegionOptions {
   // "none" (the empty set), ball, box, ellipsoid, polygon (2-D), oriented_box, capsule, cylinder (3-D), polytope
   // (convex), mesh (3-D), point_cloud, occupancy_image (2-D), polynomial, halfspace, expression, union,
-  // intersection, complement; for an initial set also auto and ball_auto (safety_problem.h)
+  // intersection, complement; of joint angles also arm; for an initial set also auto and ball_auto (safety_problem.h)
   std::string type = "none";
   std::vector<double> center = {};  // ball, ellipsoid, oriented_box: [n]; mesh, point_cloud: where the file's
                                     // origin lies, [n] or none
-  double radius = 0.0;  // ball, ball_auto, capsule, cylinder; point_cloud: around every point; > 0
+  // ball, ball_auto, capsule, cylinder; point_cloud: around every point; > 0; arm: of capsules from each frame's origin
+  // to the next, 0: none
+  double radius = 0.0;
   std::vector<double> semi_axes = {};  // ellipsoid: [n], > 0, sum ((x_i - center_i) / semi_axes_i)^2 <= 1
   std::vector<double> lower = {};      // box: the least coordinates, [n], -infinity allowed
   std::vector<double> upper = {};      // box: the greatest coordinates, [n], infinity allowed
@@ -72,8 +74,8 @@ struct RegionOptions {
   std::vector<PolygonHole> holes = {};  // polygon: rings within it that are not part of it
   std::vector<double> half_sizes = {};  // oriented_box: half of each side, [n], > 0
   double angle = 0.0;                   // oriented_box, point_cloud in 2-D: radians, counter-clockwise
-  // oriented_box, mesh, point_cloud in 3-D: a quaternion (x, y, z, w) or the nine numbers of a rotation matrix,
-  // row by row; none: not turned
+  // oriented_box, mesh, point_cloud in 3-D, the base of an arm: a quaternion (x, y, z, w) or the nine numbers of a
+  // rotation matrix, row by row; none: not turned
   std::vector<double> rotation = {};
   std::vector<double> start = {};                 // capsule, cylinder: one end of the axis, [n]
   std::vector<double> end = {};                   // capsule, cylinder: the other end, [n]
@@ -89,9 +91,23 @@ struct RegionOptions {
   std::string unknown = "occupied";    // occupancy_image: what unknown cells and all beyond the map count as
   double sign = 1.0;                   // polynomial: inside where sign * p <= 0; 1 or -1
   std::vector<RegionOptions> of = {};  // union, intersection: one region or more; complement: one
-  double inflate = 0.0;  // >= 0: all points within this distance count as well, such as a tool's radius
+  // arm: [a, alpha, d, theta] of each joint, lengths in the unit of `obstacles`, angles in rad; theta is added to the joint's
+  std::vector<std::vector<double>> dh = {};
+  std::string convention = "modified";  // arm: of dh, "modified" (Craig) or "standard"
+  std::string joint_unit = "auto";      // arm: "rad", "deg", or "auto": data.unit
+  std::vector<double> base = {};  // arm: where its frame 0 lies among the obstacles, [3]; none: at the origin
+  std::vector<double> tip = {};   // arm: where its last link ends, [3] in the last frame; none: there
+  std::vector<std::vector<double>> spheres =
+      {};  // arm: more bodies, [frame, x, y, z, radius], frame 0 is the base
+  std::vector<std::vector<double>> capsules = {};  // arm: more bodies, [frame, x, y, z, x, y, z, radius]
+  std::vector<RegionOptions> obstacles = {};       // arm: what it must not touch, one region in space or more
+  // >= 0: all points within this distance count as well, such as a tool's radius; arm: joint angles within it
+  double inflate = 0.0;
 
   void visit(FieldVisitor& v);  // names only the keys that `type` has
+
+ private:
+  void visit_arm(FieldVisitor& v);
 };
 
 // Builds the region in n = `dimension`. Throws Error saying which key of which region is wrong; `where` names

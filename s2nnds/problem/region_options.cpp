@@ -6,6 +6,7 @@
 #include <map>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/problem/arm_region.h"
 #include "s2nnds/problem/inflated_region.h"
 #include "s2nnds/problem/mesh_file.h"
 #include "s2nnds/problem/occupancy_region.h"
@@ -197,7 +198,8 @@ const std::vector<std::pair<std::string, Maker>>& makers() {
       {"expression", [](const Making& m) { return expression(m.options.level, m.dimension); }},
       {"union", [](const Making& m) { return unite(make_all(m)); }},
       {"intersection", [](const Making& m) { return intersect(make_all(m)); }},
-      {"complement", make_complement}};
+      {"complement", make_complement},
+      {"arm", [](const Making& m) { return arm_region(m.options, m.dimension, m.files); }}};
   return all;
 }
 
@@ -230,6 +232,7 @@ void RegionOptions::visit(FieldVisitor& v) {
   if (is({"ball", "ellipsoid", "oriented_box", "mesh", "point_cloud"}))
     v.field("center", center, any_number());
   if (is({"ball", "ball_auto", "capsule", "cylinder", "point_cloud"})) v.field("radius", radius, above(0.0));
+  if (type == "arm") visit_arm(v);
   if (type == "ellipsoid") v.field("semi_axes", semi_axes, above(0.0));
   if (type == "box") {
     v.field("lower", lower, any_number());
@@ -261,6 +264,19 @@ void RegionOptions::visit(FieldVisitor& v) {
   if (type == "polynomial") v.field("sign", sign, between(-1.0, 1.0));
   if (is({"union", "intersection", "complement"})) v.list("of", of);
   if (!is({"none", "auto", "ball_auto"})) v.field("inflate", inflate, at_least(0.0));
+}
+
+void RegionOptions::visit_arm(FieldVisitor& v) {
+  v.field("dh", dh, any_number());
+  v.field("convention", convention, {"modified", "standard"});
+  v.field("joint_unit", joint_unit, {"auto", "rad", "deg"});
+  v.field("base", base, any_number());
+  v.field("rotation", rotation, any_number());
+  v.field("radius", radius, at_least(0.0));
+  v.field("tip", tip, any_number());
+  v.field("spheres", spheres, any_number());
+  v.field("capsules", capsules, any_number());
+  v.list("obstacles", obstacles);
 }
 
 RegionPtr make_region(const RegionOptions& options, Eigen::Index dimension, RegionFiles& files,

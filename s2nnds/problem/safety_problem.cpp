@@ -196,6 +196,19 @@ RegionOptions find_initial(const ProblemOptions& options, const Points& starts, 
   return all.of.size() == 1 ? all.of.front() : all;
 }
 
+// Arms with the unit of their joints, where the options leave that to the data.
+void find_joint_unit(RegionOptions& region, const ProblemOptions& options, const Frame& frame) {
+  for (RegionOptions& part : region.of) find_joint_unit(part, options, frame);
+  if (region.type != "arm") return;
+  check(options.frame == "data" && (frame.unit == "rad" || frame.unit == "deg"),
+        "arm: found coordinates in {} and problem.frame = \"{}\", expected joint angles (data.state = "
+        "\"joints\") and \"data\"",
+        frame.unit.empty() ? "no unit" : frame.unit, options.frame);
+  check(region.joint_unit == "auto" || region.joint_unit == frame.unit,
+        "arm: found joint_unit = \"{}\", expected that of the data, {}", region.joint_unit, frame.unit);
+  region.joint_unit = frame.unit;
+}
+
 // The obstacle as written, grown by what the tool sweeps.
 RegionOptions find_unsafe(const ProblemOptions& options, const Frame& frame, Eigen::Index dimension) {
   if (options.tool.is_none()) return options.unsafe;
@@ -267,11 +280,13 @@ SafetyProblem build_problem(const ProblemOptions& options, const std::vector<Dem
   if (checks) check_demonstrations_inside(problem.workspace, demonstrations, user);
   problem.contained = contained;
   problem.written_unsafe = find_unsafe(options, frame, dimension);
+  find_joint_unit(problem.written_unsafe, options, frame);
   problem.unsafe = make_region(problem.written_unsafe, dimension, files, "problem.unsafe");
   if (options.unsafe.type != "none") problem.unsafe = user.region(problem.unsafe);
   if (checks) check_unsafe(problem, options.unsafe.type, user);
   if (options.containment > 0.0) problem.workspace_margin = complement(box_region(contained));
   problem.written_initial = find_initial(options, first_points(demonstrations), user, contained);
+  find_joint_unit(problem.written_initial, options, frame);
   problem.initial = user.region(make_region(problem.written_initial, dimension, files, "problem.initial"));
   if (checks) check_initial(problem, contained, user);
   return problem;
