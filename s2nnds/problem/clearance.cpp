@@ -11,7 +11,8 @@
 namespace s2nnds {
 namespace {
 
-constexpr int kMostBoxes = 200'000;
+// Where boxes are too many to decide much, few bound the distance nearly as well.
+constexpr int kMostBoxes = 200'000, kMostBoxesBeyondThree = 10'000;
 constexpr double kDifference = 1e-6;  // of a gradient, in the region's coordinates
 
 // A box, and where it is nearest to the points.
@@ -89,6 +90,7 @@ Clearance clearance(const Region& region, const Points& points, const Box& withi
         straight_down(region, points.row(lowest).transpose(), least, within, tolerance);
     if (found) return *found;
   }
+  const int most = within.dimension() > 3 ? kMostBoxesBeyondThree : kMostBoxes;
   std::priority_queue<Candidate> open;
   open.push(make_candidate(within, points));
   for (int count = 0; !open.empty(); ++count) {
@@ -101,9 +103,11 @@ Clearance clearance(const Region& region, const Points& points, const Box& withi
     const Eigen::Index side = next.box.widest_side();
     const double width = next.box.upper[side] - next.box.lower[side];
     const double diagonal = (next.box.upper - next.box.lower).norm();
-    if (location == Location::inside || diagonal <= tolerance || region.contains(nearest) ||
-        count >= kMostBoxes || !(width > 0)) {
-      result.distance = next.distance;
+    if (location == Location::inside || diagonal <= tolerance || region.contains(nearest) || count >= most ||
+        !(width > 0)) {
+      // Where the search was cut, both are at most the true distance.
+      const bool cut = count >= most && region.is_lipschitz();
+      result.distance = cut ? std::max(next.distance, least) : next.distance;
       result.in_region = nearest;
       result.at = point;
       return result;

@@ -15,7 +15,8 @@ struct Clearance {
 };
 
 // Of points [N, n], N > 0, from the part of the region within a finite box. The distance is no larger than the
-// true one, and smaller by `tolerance` > 0 at most, unless 200,000 boxes do not decide so much.
+// true one, and smaller by `tolerance` > 0 at most, unless 200,000 boxes (10,000 in more than three
+// dimensions) do not decide so much.
 Clearance clearance(const Region& region, const Points& points, const Box& within, double tolerance);
 
 }  // namespace s2nnds

@@ -12,7 +12,7 @@ namespace s2nnds {
 namespace {
 
 std::string described(const Region& region, double radius) {
-  return fmt::format("[{}] inflated by {}", region.describe(), radius);
+  return fmt::format("[{}] inflated by {:.6g}", region.describe(), radius);
 }
 
 class InflatedDistance final : public Region {

@@ -97,8 +97,7 @@ struct RegionOptions {
   std::string joint_unit = "auto";      // arm: "rad", "deg", or "auto": data.unit
   std::vector<double> base = {};  // arm: where its frame 0 lies among the obstacles, [3]; none: at the origin
   std::vector<double> tip = {};   // arm: where its last link ends, [3] in the last frame; none: there
-  std::vector<std::vector<double>> spheres =
-      {};  // arm: more bodies, [frame, x, y, z, radius], frame 0 is the base
+  std::vector<std::vector<double>> spheres = {};   // arm: more bodies, [frame, x, y, z, radius]; 0: the base
   std::vector<std::vector<double>> capsules = {};  // arm: more bodies, [frame, x, y, z, x, y, z, radius]
   std::vector<RegionOptions> obstacles = {};       // arm: what it must not touch, one region in space or more
   // >= 0: all points within this distance count as well, such as a tool's radius; arm: joint angles within it
