@@ -26,7 +26,7 @@ the meaning says otherwise.
 
 Folders: `handwriting/` needs no data; `lasa/`, `lasa_other/`, `abc_ds/` and `other/` need the data of
 [experiments/README.md](../README.md#data); `recordings/robot.toml` shows how to read your own CSV files;
-`poses/` trains on the recordings of [experiments/poses](../poses/README.md).
+`poses/` trains on the recordings of [experiments/poses](../poses/README.md) and its folder `arms/`.
 """
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the joint recordings of this folder, and tells how near their arms come to the obstacle of their configuration.
+"""Writes the joint recordings of arms/, and tells how near their arms come to the obstacle of their configuration.
 
     python3 make_arm_motions.py FOLDER     # planar_0.csv ...: two joints of a planar arm; seven_0.csv ...: a Franka arm's seven
 """

@@ -200,12 +200,14 @@ RegionOptions find_initial(const ProblemOptions& options, const Points& starts, 
 void find_joint_unit(RegionOptions& region, const ProblemOptions& options, const Frame& frame) {
   for (RegionOptions& part : region.of) find_joint_unit(part, options, frame);
   if (region.type != "arm") return;
-  check(options.frame == "data" && (frame.unit == "rad" || frame.unit == "deg"),
-        "arm: found coordinates in {} and problem.frame = \"{}\", expected joint angles (data.state = "
-        "\"joints\") and \"data\"",
-        frame.unit.empty() ? "no unit" : frame.unit, options.frame);
+  check(
+      options.frame == "data" && (frame.unit == "rad" || frame.unit == "deg"),
+      "problem: arm: found coordinates in {} and problem.frame = \"{}\", expected joint angles (data.state = "
+      "\"joints\") and \"data\"",
+      frame.unit.empty() ? "no unit" : frame.unit, options.frame);
   check(region.joint_unit == "auto" || region.joint_unit == frame.unit,
-        "arm: found joint_unit = \"{}\", expected that of the data, {}", region.joint_unit, frame.unit);
+        "problem: arm: found joint_unit = \"{}\", expected that of the data, {}", region.joint_unit,
+        frame.unit);
   region.joint_unit = frame.unit;
 }
 
