@@ -46,7 +46,7 @@ class ArmTest(ProgramTest):
 
     def test_preview_tells_what_it_sees(self):
         for config, joints in ((PLANAR, 2), (SEVEN, 7)):
-            code, out, err = self.call("preview", config, "--data", RECORDINGS)
+            code, out, err = self.call("preview", config, "--data", RECORDINGS, "--out", self.path("preview.png"))
             self.assertEqual(code, 0, out + err)
             self.assertNotIn("passes through the obstacle", out)
             self.assertIn(f"{joints}", out)
