@@ -117,6 +117,40 @@ RegionOptions options_of(const std::string& toml) {
   return options;
 }
 
+// The same of seven joints with a capsule across the hand; links of the arm as lines between the origins.
+TEST(ArmRegion, HoldsEveryTouchInSpace) {
+  const Eigen::Vector3d ball(0.4, 0.3, 0.5);
+  const RegionOptions options = options_of(
+      kFranka + std::string("obstacles = [{ type = \"ball\", center = [0.4, 0.3, 0.5], radius = 0.1 }]"));
+  const RegionPtr arm = make_region(options, 7);
+  const KinematicChain chain(options.dh, DhConvention::modified, Vector::Zero(3), no_rotation(3));
+  RandomStream random(12, "arm-region-test");
+  int met = 0;
+  for (int k = 0; k < 20000; ++k) {
+    std::vector<double> q;
+    for (int j = 0; j < 7; ++j) q.push_back(random.uniform(-2.8, 2.8));
+    const auto frames = chain.frames(q);
+    const auto place = [&](std::size_t frame, const Eigen::Vector3d& at) {
+      const auto turned = frames[frame].turned(at);
+      const auto& origin = frames[frame].origin;
+      return Eigen::Vector3d(origin[0] + turned[0], origin[1] + turned[1], origin[2] + turned[2]);
+    };
+    double over = segment_distance(place(7, {0, 0, 0}), place(7, {0, 0, 0.107}), ball) - 0.06;
+    over =
+        std::min(over, segment_distance(place(7, {0, -0.08, 0.12}), place(7, {0, 0.08, 0.12}), ball) - 0.04);
+    for (std::size_t i = 1; i < 7; ++i) {
+      const Eigen::Vector3d a = place(i, {0, 0, 0}), b = place(i + 1, {0, 0, 0});
+      over =
+          std::min(over, ((b - a).norm() > 1e-9 ? segment_distance(a, b, ball) : (a - ball).norm()) - 0.06);
+    }
+    const bool touches = over <= 0.1, held = arm->contains(Eigen::Map<const Vector>(q.data(), 7));
+    met += touches;
+    ASSERT_FALSE(touches && !held) << "at " << k;
+    ASSERT_FALSE(held && over > 0.1 + 0.08 * 0.06) << "at " << k << ": " << over;
+  }
+  EXPECT_GT(met, 300);
+}
+
 // Boxes of joint positions against points of them, in three and seven joints and for several kinds of obstacle.
 TEST(ArmRegion, ClassifiesBoxesSoundly) {
   const std::vector<std::string> obstacles = {
