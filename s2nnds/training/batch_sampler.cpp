@@ -72,6 +72,13 @@ Vector displacement(const Vector& velocity, double deviation, RandomStream& rand
   return d;
 }
 
+Points stacked(const Points& a, const Points& b) {
+  if (b.rows() == 0) return a;
+  Points all(a.rows() + b.rows(), a.cols());
+  all << a, b;
+  return all;
+}
+
 void append(Points& pool, const Points& more) {
   if (more.rows() == 0) return;
   Points all(pool.rows() + more.rows(), more.cols());
@@ -82,7 +89,7 @@ void append(Points& pool, const Points& more) {
 }  // namespace
 
 BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
-                           const TrainerOptions& options)
+                           const TrainerOptions& options, const VelocityTargets& funnel)
     : problem_(problem),
       options_(options.batch),
       initial_(sampler_of(problem.initial, problem.workspace)),
@@ -109,8 +116,16 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
   check(!kept.empty(),
         "training: every demonstration sample lies within obstacle_margin = {} of the unsafe set", margin);
   left_out_ = position.rows() - static_cast<std::int64_t>(kept.size());
-  position_ = position(kept, Eigen::all);
-  velocity_ = velocity(kept, Eigen::all);
+  shown_ = std::ssize(kept);
+  const Points all_position = stacked(position, funnel.position);
+  const Vector reach = Vector::Constant(problem.dimension(), margin);
+  for (; i < all_position.rows(); ++i) {
+    const Vector x = all_position.row(i);
+    if (margin == 0.0 || !may_meet(*problem.unsafe, {x - reach, x + reach}, 8)) kept.push_back(i);
+  }
+  drawn_ = std::ssize(kept);
+  position_ = all_position(kept, Eigen::all);
+  velocity_ = stacked(velocity, funnel.velocity)(kept, Eigen::all);
   jitter_ = (problem.initial->level(position_).array() <= 0.0)
                 .select(Vector::Constant(position_.rows(), options_.start_jitter), 0.0);
   if (options.loss.weight[LossTerm::obstacle_normal] > 0.0) {
@@ -155,7 +170,7 @@ Batch BatchSampler::draw(RandomStream& random) const {
   batch.position.resize(options_.demonstrations + corrections, n);
   batch.velocity.resize(options_.demonstrations + corrections, n);
   for (Eigen::Index i = 0; i < options_.demonstrations; ++i) {
-    const std::size_t sample = random.below(position_.rows());
+    const std::size_t sample = random.below(static_cast<std::size_t>(drawn_));
     batch.position.row(i) = position_.row(sample);
     batch.velocity.row(i) = velocity_.row(sample);
     if (jitter_[sample] == 0.0) continue;

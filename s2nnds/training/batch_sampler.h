@@ -7,6 +7,7 @@
 #include "s2nnds/data/demonstration.h"
 #include "s2nnds/problem/boundary_points.h"
 #include "s2nnds/problem/region_sampler.h"
+#include "s2nnds/problem/start_paths.h"
 #include "s2nnds/training/backtrack.h"
 #include "s2nnds/training/batch.h"
 #include "s2nnds/training/counterexample.h"
@@ -37,11 +38,12 @@ inline constexpr Eigen::Index boundary_points_drawn = 128;  // points of the obs
 // followed back) is handed to it.
 class BatchSampler {
  public:
-  // Demonstration samples too near to the unsafe set (options.obstacle_margin) are left out. Points of the
+  // Samples too near to the unsafe set (options.obstacle_margin) are left out, of demonstrations and of the
+  // funnel beside them. Points of the
   // obstacle's boundary are drawn only where the term obstacle_normal has a weight. Throws Error where no
   // sample is left, or the shares of the batch add up to more than 1.
   BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
-               const TrainerOptions& options);
+               const TrainerOptions& options, const VelocityTargets& funnel = {});
 
   Batch draw(RandomStream& random) const;                          // the points of one step
   Points uniform(std::int64_t count, RandomStream& random) const;  // uniform in X: [count, n]
@@ -52,13 +54,17 @@ class BatchSampler {
   void set_near_band(Points points) { near_band_ = std::move(points); }
   // Points [k, n] whose rollouts are safe, and points whose rollouts are not.
   void set_labels(Points safe, Points unsafe_rollouts);
+  // Whether samples of the funnel are drawn besides those of the demonstrations; at first they are.
+  void set_draws_funnel(bool draws) { drawn_ = draws ? position_.rows() : shown_; }
   // What motions followed back ask for, until the next call.
   void set_backtracked(Backtracked backtracked) { backtracked_ = std::move(backtracked); }
 
   const CounterexamplePools& pools() const { return pools_; }               // for a checkpoint
   void set_pools(CounterexamplePools pools) { pools_ = std::move(pools); }  // of a checkpoint
-  const Points& position() const { return position_; }  // [K, n]: demonstration samples that are kept
-  const Points& velocity() const { return velocity_; }  // [K, n]: the velocities there
+  // [K, n]: demonstration samples that are kept, then those of the funnel
+  const Points& position() const { return position_; }
+  Eigen::Index shown_samples() const { return shown_; }  // of these, those of the demonstrations
+  const Points& velocity() const { return velocity_; }   // [K, n]: the velocities there
   const Vector& jitter() const { return jitter_; }  // [K]: standard deviation of each sample's displacement
   // Demonstration samples that are left out: too near to the unsafe set.
   std::int64_t left_out_samples() const { return left_out_; }
@@ -70,6 +76,7 @@ class BatchSampler {
   BatchOptions options_;
   Points position_, velocity_;
   Vector jitter_;
+  Eigen::Index shown_ = 0, drawn_ = 0;  // rows: of demonstrations, and of all that is drawn
   std::int64_t left_out_ = 0;
   std::optional<RegionSampler> initial_, unsafe_, workspace_margin_;
   CounterexamplePools pools_;

@@ -28,6 +28,15 @@ constexpr double kMoreImitation = 2.0;
 constexpr std::int64_t kUnfaithfulRounds = 6, kUnfaithfulInARow = 3;
 // So many rounds in a row whose f and B no certificate can have: training does not leave such a shape.
 constexpr std::int64_t kImpossibleRounds = 4;
+// A round with at most so many counterexamples is not followed by a new start for its age, so many rounds long: the
+// shape is right, and another one may not be.
+constexpr std::int64_t kAlmostClean = 50, kGrace = 5;
+
+// A certificate of a motion that is at most so far from the demonstrations, as a share of what is allowed, is kept, and
+// so many rounds bring it nearer to them: what is left to learn is less than a new certificate.
+constexpr double kNearlyFollows = 1.5;
+constexpr std::int64_t kApproachingRounds = 3;
+constexpr double kApproachingImitation = 2.5;  // at first; less after rounds that are undone
 
 // A round is nearly clean with fewer counterexamples than this, or if random search found none of them. The
 // next one refines: its rates are lower, so that what holds already stays, and the weights of what presses {B
@@ -43,9 +52,9 @@ constexpr std::int64_t kRefiningRounds = 4;
 constexpr double kFinetunedImitation = 10.0;  // at first; see careful()
 constexpr double kFinetunedRate = 0.3;        // what is certified must stay nearly as it is
 
-// Fine-tuning ends with an error of this share of the warm start's, which no condition held back, after so many
+// Fine-tuning ends with an error of this share of the warm start's, which only the funnel held back, after so many
 // rounds that were kept, or when the best error of the last few of them is less than this below the best before.
-constexpr double kFitted = 0.9;
+constexpr double kFitted = 0.7;
 constexpr std::int64_t kFinetunedRounds = 7;
 constexpr std::int64_t kPlateau = 3;
 constexpr double kPlateauGain = 0.03;
@@ -93,6 +102,33 @@ double careful(const History& history, Stage stage, double first, double least, 
   return factor;
 }
 
+// Rounds that bring a certified motion nearer to the demonstrations.
+struct Approach {
+  std::int64_t left = 0;   // of them, 0: the next round is none
+  double deviation = 0.0;  // of what is kept, > 1
+  double weight = 0.0;     // factor of imitation
+};
+
+// Calls `visit` with each round of the search but those that approach. Returns what the next round is.
+template <typename Visit>
+Approach each_searching(const History& history, const TrainerOptions& options, Visit visit) {
+  Approach now;
+  for (const RoundSummary& row : history) {
+    if (row.round == 0 || row.stage != Stage::search) continue;
+    if (now.left > 0) {
+      --now.left;
+      const bool kept = row.clean() && row.deviation <= now.deviation;
+      if (kept) now.deviation = row.deviation;
+      now.weight = std::clamp(now.weight * (kept ? kAdvance : kFinetunedRetreat), 1.0, kApproachingImitation);
+      continue;
+    }
+    visit(row);
+    if (row.round >= options.min_rounds && row.clean() && !row.follows() && row.deviation <= kNearlyFollows)
+      now = {kApproachingRounds, row.deviation, kApproachingImitation};
+  }
+  return now;
+}
+
 // Why a round of the search starts anew.
 struct Restarts {
   std::int64_t age = 0;          // rounds since the last one
@@ -105,8 +141,7 @@ struct Restarts {
 Restarts restarts_of(const History& history, const TrainerOptions& options) {
   Restarts found;
   std::int64_t impossible = 0;
-  for (const RoundSummary& row : history) {
-    if (row.round == 0) continue;
+  each_searching(history, options, [&](const RoundSummary& row) {
     ++found.age;
     impossible = row.is_impossible() && row.round >= options.min_rounds ? impossible + 1 : 0;
     std::int64_t* reason = nullptr;
@@ -116,17 +151,33 @@ Restarts restarts_of(const History& history, const TrainerOptions& options) {
       reason = &found.by_fidelity;
     } else if (options.rate_period > 0 && impossible >= kImpossibleRounds) {
       reason = &found.by_shape;
-    } else if (options.rate_period > 0 && found.age >= options.rate_period) {
+    } else if (options.rate_period > 0 && found.age >= options.rate_period &&
+               (row.counterexamples() > kAlmostClean || found.age >= options.rate_period + kGrace)) {
       reason = &found.by_age;
     }
-    if (!reason) continue;
+    if (!reason) return;
     ++*reason;
     found.age = impossible = 0;
-  }
+  });
   return found;
 }
 
+RoundPlan fitting_plan(Stage stage, double weight, const TrainerOptions& options) {
+  RoundPlan plan = {.stage = stage,
+                    .undone_unless_clean = true,
+                    .repairs = kRepairs,
+                    .rate = kFinetunedRate,
+                    .loss = options.loss};
+  plan.loss.weight[LossTerm::imitation] *= weight;
+  return plan;
+}
+
 RoundPlan search_plan(const History& history, const TrainerOptions& options) {
+  if (const Approach now = each_searching(history, options, [](const RoundSummary&) {}); now.left > 0) {
+    RoundPlan plan = fitting_plan(Stage::search, now.weight, options);
+    plan.largest_deviation = now.deviation;
+    return plan;
+  }
   const Restarts restarts = restarts_of(history, options);
   const std::int64_t all = restarts.by_age + restarts.by_shape + restarts.by_fidelity;
   RoundPlan plan = {.rate = std::max(kLeastRate, std::pow(options.rate_decay, restarts.age)),
@@ -160,14 +211,9 @@ RoundPlan search_plan(const History& history, const TrainerOptions& options) {
 }
 
 RoundPlan imitation_finetune_plan(const History& history, const TrainerOptions& options) {
-  RoundPlan plan = {.stage = Stage::imitation_finetune,
-                    .undone_unless_clean = true,
-                    .repairs = kRepairs,
-                    .rate = kFinetunedRate,
-                    .loss = options.loss};
-  plan.loss.weight[LossTerm::imitation] *=
-      careful(history, Stage::imitation_finetune, kFinetunedImitation, 1.0, kFinetunedRetreat);
-  return plan;
+  return fitting_plan(
+      Stage::imitation_finetune,
+      careful(history, Stage::imitation_finetune, kFinetunedImitation, 1.0, kFinetunedRetreat), options);
 }
 
 // Whether f no longer comes nearer to the demonstrations.
@@ -243,12 +289,14 @@ bool is_repairable(const RoundSummary& row) {
 }
 
 bool has_clean_round(const History& history, const TrainerOptions& options) {
+  if (std::any_of(history.begin(), history.end(),
+                  [&](const RoundSummary& row) { return row.round >= options.min_rounds && row.is_kept(); }))
+    return true;
   std::int64_t unfaithful = 0;
-  for (const RoundSummary& row : history) {
-    if (row.round < options.min_rounds || !row.clean()) continue;
-    if (row.follows() || ++unfaithful == kUnfaithfulRounds) return true;
-  }
-  return false;
+  const Approach now = each_searching(history, options, [&](const RoundSummary& row) {
+    if (row.round >= options.min_rounds && row.clean()) ++unfaithful;
+  });
+  return unfaithful >= kUnfaithfulRounds && now.left == 0;
 }
 
 RoundPlan plan(const History& history, const TrainerOptions& options) {

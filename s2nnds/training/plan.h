@@ -19,19 +19,22 @@ struct RoundPlan {
   bool backtracks = false;       // motions that violate a condition are followed back first
   bool only_barrier = false;     // f and V stay as they are
   bool undone_unless_clean = false;  // networks that do not end clean give way to those from before
-  std::int64_t repairs = 0;          // times that B alone is trained on what was found, before it is judged
-  double rate = 1.0;                 // factor of all rates
-  LossOptions loss = {};             // with the weights of this round
+  double largest_deviation =
+      1.0;                   // as do those whose motions are farther from the demonstrations, as a share
+  std::int64_t repairs = 0;  // times that B alone is trained on what was found, before it is judged
+  double rate = 1.0;         // factor of all rates
+  LossOptions loss = {};     // with the weights of this round
 };
 
 // The schedule of training, from the rounds so far (history[k].round == k, the warm start first) and the
 // options alone:
 // - search, until a round of at least min_rounds ends clean and its motions follow the demonstrations (after
 //   six clean ones whose motions do not, without that), or `rounds` have ended. Rates fall from round to round.
-//   It starts anew every rate_period rounds, with relaxed weights; after four rounds in a row that no certificate
-//   can have; and after every third clean round of another motion, which all give more weight to the
+//   It starts anew every rate_period rounds, up to five later where few counterexamples are left, with relaxed
+//   weights; after four rounds in a row that no certificate can have; and after every third clean round of another motion, which all give more weight to the
 //   demonstrations. Every second start does not push f outwards at the obstacle. A round after one that was
-//   nearly clean refines.
+//   nearly clean refines. Where a clean round's motions follow the demonstrations nearly, up to three rounds
+//   approach them as those of the next stage do.
 // - imitation_finetune: all three networks are trained with more weight on the demonstrations, so that f
 //   comes nearer to what it would be without conditions; until it is as near, seven rounds were kept, or three
 //   brought it no nearer.

@@ -13,6 +13,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/networks/evaluator.h"
+#include "s2nnds/problem/funnel.h"
 #include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/level.h"
@@ -79,6 +80,15 @@ std::vector<Demonstration> with_start_paths(std::vector<Demonstration> demonstra
   return demonstrations;
 }
 
+BatchSampler make_sampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
+                          const TrainerOptions& options, std::uint64_t seed) {
+  const std::vector<Demonstration> shown = smoothed(demonstrations, options.smoothing);
+  RandomStream random(seed, "funnel");
+  const double beside = options.funnel * static_cast<double>(stack_positions(shown).rows());
+  return BatchSampler(problem, with_start_paths(shown, problem, options.start_paths, seed), options,
+                      funnel_samples(problem, shown, std::llround(beside), random));
+}
+
 NetworkWeights between(NetworkWeights a, const NetworkWeights& b, double part) {
   for (std::size_t k = 0; k < a.layers.size(); ++k) {
     a.layers[k].weight += part * (b.layers[k].weight - a.layers[k].weight);
@@ -98,6 +108,10 @@ void append(Backtracked& to, const VelocityTargets& more) {
 // The networks whose weights lie between those of a (part 0) and b (part 1).
 Networks between(const Networks& a, const Networks& b, double part) {
   return {between(a.f, b.f, part), between(a.V, b.V, part), between(a.B, b.B, part)};
+}
+
+bool keeps(const RoundPlan& round, const RoundSummary& row) {
+  return row.clean() && row.deviation <= round.largest_deviation;
 }
 
 // The optimisers of a round. Each round starts afresh, so that a checkpoint needs no optimiser state.
@@ -136,10 +150,7 @@ class Trainer::Impl {
         network_options_(networks),
         options_(options),
         seed_(seed),
-        sampler_(
-            problem,
-            with_start_paths(smoothed(demonstrations, options.smoothing), problem, options.start_paths, seed),
-            options),
+        sampler_(make_sampler(problem, demonstrations, options, seed)),
         level_(problem, {.level_band = options.level_band,
                          .reach = options.max_level_shift,
                          .execution = options.loss.execution}) {
@@ -159,7 +170,8 @@ class Trainer::Impl {
     summary.left_out_samples = sampler_.left_out_samples();
     if (history_.empty()) {
       RoundSummary row;
-      row.mse = warm_up().mse;
+      warm_up();
+      row.mse = mse_of_shown();
       row.seconds = seconds();
       summary.stopped = !report(row, owner);
     }
@@ -169,7 +181,7 @@ class Trainer::Impl {
       choose_level(row.round);
       search(row);
       for (std::int64_t k = 1; k <= next.repairs && is_repairable(row); ++k) repair(row, next, k);
-      if (next.undone_unless_clean && !row.is_kept()) go_back_towards(before, row);
+      if (next.undone_unless_clean && !keeps(next, row)) go_back_towards(before, next, row);
       row.seconds = seconds();
       summary.stopped = !report(row, owner);
     }
@@ -225,11 +237,19 @@ class Trainer::Impl {
     return !callback || callback(row, owner);
   }
 
-  WarmStartSummary warm_up() {
+  void warm_up() {
     const torch::Tensor position = tensor(sampler_.position()), velocity = tensor(sampler_.velocity());
-    return warm_start(modules_.f, position, velocity, sampler_.jitter(), options_.warm_start,
-                      engine_from(options_.engine), seed_,
-                      [&](std::int64_t attempt) { return make_field(attempt); });
+    warm_start(modules_.f, position, velocity, sampler_.jitter(), options_.warm_start,
+               engine_from(options_.engine), seed_,
+               [&](std::int64_t attempt) { return make_field(attempt); });
+  }
+
+  double mse_of_shown() const {
+    const Eigen::Index count = sampler_.shown_samples();
+    const Points error =
+        BasicEvaluator<float>(modules_.f->snapshot()).value(sampler_.position().topRows(count)) -
+        sampler_.velocity().topRows(count);
+    return error.rowwise().squaredNorm().mean();
   }
 
   RoundSummary train_round(const RoundPlan& now) {
@@ -238,6 +258,7 @@ class Trainer::Impl {
     row.stage = now.stage;
     if (now.labels_rollouts) label(row, now.stage == Stage::enlarge);
     seek_backtracked(now);
+    sampler_.set_draws_funnel(!now.undone_unless_clean);
     if (now.starts_anew) start_anew(round);
     descend(row, now, now.only_barrier ? options_.enlarge_steps : options_.steps, 0);
     const double weight = now.loss.weight[LossTerm::imitation];
@@ -283,13 +304,13 @@ class Trainer::Impl {
 
   // Of the way from `before` to what the round made, the largest part that ends clean: a half, a quarter,
   // none.
-  void go_back_towards(const Networks& before, RoundSummary& row) {
+  void go_back_towards(const Networks& before, const RoundPlan& round, RoundSummary& row) {
     const Networks after = networks();
     const RoundSummary whole = row;
     for (const double part : kParts) {
       set_networks(between(before, after, part));
       search_anew(row);
-      if (row.is_kept()) return;
+      if (keeps(round, row)) return;
     }
     set_networks(before);
     row = whole;

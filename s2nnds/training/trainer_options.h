@@ -99,6 +99,9 @@ struct TrainerOptions {
   // Samples, as a share of the demonstrations' (>= 0; 0: none), of motions from 32 starts in X0 that differ
   // from those shown: displaced demonstrations, whose displacement falls along the way.
   double start_paths = 0.02;
+  // Samples, as a share of the demonstrations' (>= 0; 0: none), of places beside the demonstrations, where f leads back
+  // to them.
+  double funnel = 0.3;
   // Demonstration samples nearer to Xu than this (normalised units, per axis, >= 0) are left out; twice this
   // for demonstrations that pass through Xu, whose samples within Xu by more than this stay.
   double obstacle_margin = 0.05;

@@ -58,7 +58,7 @@ class AdaptTest(ProgramTest):
         return json.loads(self.call("info", run, "--json")[1].splitlines()[-1])["weight_hash"]
 
     def test_follows_an_obstacle_that_moved(self):
-        found = self.adapted("--set", "problem.unsafe.center=[-0.3, 0.3]")
+        found = self.adapted("--set", "problem.unsafe.center=[-0.5, 0.35]")
         self.assertIn(found["adaptation"]["outcome"], ("adapted", "anew"))
         self.assertNotEqual(found["weight_hash"], self.hash_of(self.run_file))
         # It is a run like any other: proved again by itself, and trained on.
