@@ -66,6 +66,7 @@ constexpr std::int64_t kRepairs = 2;  // what f moved by little, B alone can fol
 constexpr double kEnlargedRollouts = 1.0, kLeastEnlargedRollouts = 0.1;
 constexpr double kEnlargedMargins = 2.0;  // of the conditions on B, which its growth must not break
 constexpr double kEnlargedRate = 0.5;
+constexpr std::int64_t kEnlargedRepairs = 1;  // a round that is undone brings nothing
 
 // Factors of a weight after a round that ended clean, and after one that did not and was undone: where
 // fine-tuning breaks a certificate it takes far less weight, and a round that is undone costs the most.
@@ -239,6 +240,7 @@ RoundPlan enlarge_plan(const History& history, const TrainerOptions& options) {
   RoundPlan plan = {.stage = Stage::enlarge,
                     .only_barrier = true,
                     .undone_unless_clean = true,
+                    .repairs = kEnlargedRepairs,
                     .rate = kEnlargedRate,
                     .loss = options.loss};
   PerTerm<double>& weight = plan.loss.weight;

@@ -86,7 +86,7 @@ const std::string kSearch = "search, labels, backtracks; rate ",
                   kAnew = "search, starts anew, labels, backtracks; rate 1",
                   kFinetune = "imitation_finetune, labels, may be undone, 2 repairs; rate 0.3",
                   kEnlarge =
-                      "enlarge, labels, only B, may be undone; rate 0.5, imitation 0, lyapunov 0, "
+                      "enlarge, labels, only B, may be undone, 1 repairs; rate 0.5, imitation 0, lyapunov 0, "
                       "barrier_sets 2, barrier_decrease 2";
 
 TrainerOptions not_before(std::int64_t round) {
