@@ -405,7 +405,7 @@ Region read_arm(const toml::table& table, size_t n) {
 Region read_region(const toml::table& table, size_t n) {
   const string type = table["type"].value_or(string("none"));
   if (type == "arm") return read_arm(table, n);
-  const string known = " type inflate center radius semi_axes lower upper normal offset of level ";
+  const string known = " type inflate center radius semi_axes lower upper normal offset of level from to ";
   for (const auto& [name, value] : table) {
     const string key(name.str());
     if (known.find(" " + key + " ") == known.npos || (key == "inflate" && value.value_or(1.0) != 0.0))
@@ -443,6 +443,19 @@ Region read_region(const toml::table& table, size_t n) {
     std::erase(whole.rest, ' ');
     region.level = whole.chain(true);
     if (!whole.rest.empty()) fail("no expression at " + whole.rest);
+  } else if (type ==
+             "extrusion") {  // of a region in a dimension less, between two values of the last coordinate
+    const toml::array& of = need<toml::array>(table, "of");
+    if (n < 2 || of.size() != 1 || !of[0].is_table()) fail("an extrusion of something else than one region");
+    const Region base = read_region(*of[0].as_table(), n - 1);
+    const double from = scalar(table, "from"), to = scalar(table, "to");
+    std::copy(base.lower.begin(), base.lower.end(), region.lower.begin());
+    std::copy(base.upper.begin(), base.upper.end(), region.upper.begin());
+    region.lower[n - 1] = from, region.upper[n - 1] = to;
+    region.level = [=](const Balls& x) {
+      const Ball level = base.level({x.begin(), x.end() - 1});
+      return greatest(level, greatest(Ball(from) - x.back(), x.back() - Ball(to)));
+    };
   } else if (type == "halfspace") {
     const Numbers normal = numbers("normal");
     region.level = [weights = Balls(normal.begin(), normal.end()), offset = Ball(-scalar(table, "offset"))](

@@ -15,6 +15,7 @@
 #include "s2nnds/core/json_text.h"
 #include "s2nnds/core/python_module.h"
 #include "s2nnds/core/settings.h"
+#include "s2nnds/data/phase.h"
 #include "s2nnds/data/readers.h"
 #include "s2nnds/deployment/export_format.h"
 #include "s2nnds/evaluation/trajectory_metrics.h"
@@ -54,7 +55,8 @@ ordered_json report_demonstrations(const PreparedRun& setup, const RunRecord& re
   ordered_json rows = ordered_json::array();
   for (const std::int64_t k : members) {
     const Demonstration& demonstration = setup.demonstrations[static_cast<std::size_t>(k)];
-    const MotionErrors errors = motion_errors(f, {demonstration}, setup.config.evaluation.rollout);
+    const MotionErrors errors =
+        motion_errors(f, {demonstration}, setup.config.evaluation.rollout, setup.problem.places());
     fmt::print(
         "  demonstration {} ({}): velocity RMS {}, motion DTW {}{}\n", k, split,
         units.speed(std::sqrt(errors.mse)), units.length(errors.dtw),
@@ -114,7 +116,10 @@ std::string sibling(const std::string& run, const std::string& suffix) {
 DemonstrationSet read_and_report(const DataOptions& options, const std::string& data) {
   DemonstrationSet as_read = read_demonstrations(options, data, print_reading);
   for (const std::string& line : as_read.report) spdlog::info("data: {}", line);
-  for (const std::string& text : warnings_of(survey(as_read), as_read.unit)) spdlog::warn("{}", text);
+  const Survey found = survey(as_read);
+  const PhaseChoice phase = choose_phase(options.state, as_read, found);
+  if (phase.used) spdlog::info("{}", phase.reason);
+  for (const std::string& text : warnings_of(found, as_read.unit, phase.used)) spdlog::warn("{}", text);
   return as_read;
 }
 

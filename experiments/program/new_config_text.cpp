@@ -32,7 +32,8 @@ Points as_trained(const Scene& scene, std::size_t k) {
   Points position = scene.data.demonstrations[k].position;
   if (scene.frame) {
     position.rowwise() +=
-        scene.frame->goal.transpose() - scene.frame->goals.row(static_cast<Eigen::Index>(k));
+        (scene.frame->goal.transpose() - scene.frame->goals.row(static_cast<Eigen::Index>(k)))
+            .head(position.cols());
   }
   return position;
 }
@@ -69,6 +70,10 @@ std::string data_section(const Scene& scene, bool unit_is_guessed, const std::st
                  "positions with orientations; or position, without them");
     text += line(setting("quaternion_order", toml_text(scene.data.quaternion_order)));
   }
+  if (scene.phase.used) {
+    text += line(setting("state", toml_text(std::string("phase"))),
+                 "states (x, s): the motion crosses itself or ends where it starts");
+  }
   if (data.time_unit != "auto") text += line(setting("time_unit", toml_text(data.time_unit)));
   if (data.rate > 0) text += line(setting("rate", toml_text(data.rate)), "samples per second");
   if (!data.files.empty()) {
@@ -87,9 +92,10 @@ std::string data_section(const Scene& scene, bool unit_is_guessed, const std::st
     text += line("# If they show different goals, use those of one goal: use = [0, 1]; or name it: goal = " +
                  point(scene.data.demonstrations.front().position.bottomRows(1).transpose(), s.extent));
   } else {
-    text += line(setting("goal", toml_text(std::string("mean"))),
-                 fmt::format("of the ends, here {}; or a point",
-                             place_text(scene.frame->goal, s.extent, scene.data.unit)));
+    text += line(
+        setting("goal", toml_text(std::string("mean"))),
+        fmt::format("of the ends, here {}; or a point",
+                    place_text(scene.frame->goal.head(scene.data.dimension()), s.extent, scene.data.unit)));
   }
   const std::size_t count = scene.data.demonstrations.size();
   text += line(count < 4 ? "test = []" : "test = [-1]",

@@ -118,7 +118,7 @@ Rows error_rows(const RunRecord& record) {
 std::string safe_area(const RunRecord& record) {
   const EvaluationSummary& e = record.evaluation;
   if (std::isnan(e.safe_area)) return "not measured";
-  return fmt::format("{}, {:.1f} % of what is truly safe", UserUnits(record).volume(e.safe_area),
+  return fmt::format("{}, {:.1f} % of what is truly safe", UserUnits(record).area(e.safe_area),
                      100.0 * e.safe_area_ratio);
 }
 

@@ -78,7 +78,7 @@ std::string found_text(const Scene& scene, const std::string& unit_note) {
     text += row("goal", scene.frame->position_text(scene.frame->goal) +
                             (scene.frame->moves_demonstrations()
                                  ? "; every demonstration is moved to end there, by " +
-                                       range_text(scene.frame->end_distances(scene.data.demonstrations), unit)
+                                       range_text(scene.frame->end_distances(scene.states), unit)
                                  : ""));
   }
   return text;
@@ -321,7 +321,7 @@ int new_config(const NewArguments& arguments, const CommonArguments& common) {
     if (scene.frame) scene.frame->unit = scene.data.unit;
     unit_note =
         scene.data.unit.empty() ? "" : " (guessed from the size of the motion: say --unit if it is another)";
-    scene.warnings = warnings_of(scene.survey, scene.data.unit);
+    scene.warnings = warnings_of(scene.survey, scene.data.unit, scene.phase.used);
   }
   scene.warnings.insert(scene.warnings.begin(), refusals.begin(), refusals.end());
   if (!not_turned.empty()) scene.warnings.push_back("orientations are left out: " + not_turned);

@@ -232,6 +232,7 @@ std::string configuration(const Drawing& drawing) {
       "[data]\n"
       "source = \"csv\"\n"
       "files = [\"demonstrations.csv\"]\n"
+      "state = \"position\"\n"  // the page draws motions x' = f(x) in the plane
       "columns = {{ time = \"time\", position = [\"x\", \"y\"], velocity = [\"none\"], index = "
       "\"demonstration\" }}\n"
       "time_unit = \"s\"\n"

@@ -178,8 +178,9 @@ ordered_json run_json(const RunRecord& record) {
   const PreparedRun setup = prepare(record);
   const Frame& frame = record.data.frame;
   const EvaluationSummary& e = record.evaluation;
-  const double volume = std::pow(frame.position_scale, static_cast<double>(record.data.dimension));
-  const bool in_data = setup.config.problem.frame == "data";
+  const double volume = std::pow(frame.position_scale, static_cast<double>(frame.places()));
+  const bool in_data =
+      setup.config.problem.frame == "data" && !frame.has_phase();  // else their levels are shown
   ordered_json json = {
       {"name", record.name},
       {"seed", record.seed},

@@ -74,6 +74,7 @@ py::dict data_of(const PreparedRun& setup) {
   data["normalization"] = setup.data.frame.normalization;
   data["position_scale"] = setup.data.frame.position_scale;
   data["velocity_scale"] = setup.data.frame.velocity_scale;
+  data["phase_start"] = setup.data.frame.phase_start;
   data["frame_name"] = setup.data.frame.name;
   data["goal"] = to_array(setup.data.frame.goal);
   data["goals"] = to_array(setup.data.frame.goals);

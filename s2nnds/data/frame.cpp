@@ -139,7 +139,19 @@ std::string Frame::position_text(const Vector& position, Rounding rounding) cons
                                                        : std::floor(steps);
     shown.push_back(whole * coarser / finer + 0.0);  // no -0
   }
-  return fmt::format("({}){}{}", fmt::join(shown, ", "), unit.empty() ? "" : " ", unit);
+  const std::string in_unit = unit.empty() ? "" : " " + unit;
+  const bool phased = has_phase() && position.size() == goal.size();
+  const std::string place =
+      fmt::format("({}){}", fmt::join(shown.begin(), shown.end() - phased, ", "), in_unit);
+  return phased ? fmt::format("{}, s = {}{}", place, shown.back(), in_unit) : place;
+}
+
+Frame Frame::of_places() const {
+  Frame frame = *this;
+  frame.goal = goal.head(places());
+  frame.goals = goals.leftCols(places());
+  frame.phase_start = 0.0;
+  return frame;
 }
 
 Vector Frame::end_distances(const std::vector<Demonstration>& as_read) const {
@@ -164,6 +176,9 @@ void Frame::check(std::size_t count, Eigen::Index dimension, const std::string& 
                 "{}: found a goal orientation that is no unit quaternion", where);
   s2nnds::check(goal_orientation.size() == 0 || quaternion_order == "xyzw" || quaternion_order == "wxyz",
                 "{}: found the quaternion order '{}', expected xyzw or wxyz", where, quaternion_order);
+  s2nnds::check(phase_start >= 0.0 && std::isfinite(phase_start) && places() > 0,
+                "{}: found phase_start {} in {} dimensions, expected a number >= 0", where, phase_start,
+                dimension);
   s2nnds::check(goal.allFinite() && goals.allFinite(),
                 "{}: found a goal that is NaN or infinite, expected finite numbers", where);
 }

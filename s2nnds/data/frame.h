@@ -26,8 +26,10 @@ struct Frame {
   // [4] unit quaternion (orientation.h): the mean of the demonstrations' last orientations; empty without orientations.
   Vector goal_orientation = {};
   std::string quaternion_order = {};  // of the user's quaternions: xyzw or wxyz; "" without orientations
-  double position_scale = 1.0;        // `unit` per normalised length
-  double velocity_scale = 1.0;        // `unit` per second and normalised velocity
+  // In `unit`: where the last coordinate, a phase (phase.h), starts; 0: all coordinates are those of a place.
+  double phase_start = 0.0;
+  double position_scale = 1.0;  // `unit` per normalised length
+  double velocity_scale = 1.0;  // `unit` per second and normalised velocity
 
   // Seconds per unit of normalised time.
   double time_scale() const { return position_scale / velocity_scale; }
@@ -39,11 +41,14 @@ struct Frame {
   Vector to_data(const Vector& normalised) const;  // one position [n]
 
   // "(500, 200) mm": a position [n] in the data's frame, to some five digits of the motion's size wherever the goal
-  // lies.
+  // lies; of a state with a phase "(500, 200) mm, s = 340 mm".
   enum class Rounding { nearest, up, down };
   std::string position_text(const Vector& position, Rounding rounding = Rounding::nearest) const;
 
   bool has_orientation() const { return goal_orientation.size() > 0; }  // whether what moves are poses
+  bool has_phase() const { return phase_start > 0.0; }  // whether the last coordinate is a phase
+  Eigen::Index places() const { return goal.size() - (has_phase() ? 1 : 0); }  // coordinates of a place
+  Frame of_places() const;                                                     // the same without the phase
 
   // How far the end of each demonstration as read lies from the goal, in `unit`: [K].
   Vector end_distances(const std::vector<Demonstration>& as_read) const;

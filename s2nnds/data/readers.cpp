@@ -142,8 +142,9 @@ void DataOptions::visit(FieldVisitor& v) {
     v.field("file", file);
   }
   if (source == "csv") v.field("delimiter", delimiter, {"auto", "comma", "semicolon", "tab", "blanks"});
+  const std::vector<std::string> states = {"auto", "position", "phase", "pose", "joints"};
+  v.field("state", state, {states.begin(), is_raw(source) ? states.end() : states.begin() + 3});
   if (is_raw(source)) {
-    v.field("state", state, {"position", "pose", "joints"});
     v.group("columns", columns);
     if (state == "pose") v.field("quaternion_order", quaternion_order, {"auto", "xyzw", "wxyz"});
     v.field("rate", rate, at_least(0));

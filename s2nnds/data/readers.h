@@ -21,10 +21,12 @@ struct TableOptions {
   ColumnOptions columns;           // which of them are what
   std::string delimiter = "auto";  // csv: between cells: auto (as found), comma, semicolon, tab, blanks
   double rate = 0;                 // samples per second of files without times, >= 0; 0: they have times
-  // What moves: "position", "pose" (positions with an orientation, which columns.quaternion or columns.rotation name)
-  // or "joints" (angles in rad or deg, unwrapped: no step is more than a quarter of a turn, and all demonstrations end
-  // within half a turn of the first one's end).
-  std::string state = "position";
+  // What moves: "position", "phase" (positions and the part of the path that is left, so that motions can cross
+  // themselves or end where they start), "auto" (phase for motions in the plane that need it, else position), "pose"
+  // (positions with an orientation, which columns.quaternion or columns.rotation name) or "joints" (angles in rad or
+  // deg, unwrapped: no step is more than a quarter of a turn, and all demonstrations end within half a turn of the first
+  // one's end). Pose and joints: csv, npy, mat, hdf5.
+  std::string state = "auto";
 };
 
 // For readers of files without orientations, where state is "pose".

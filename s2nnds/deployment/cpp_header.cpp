@@ -496,6 +496,35 @@ struct Motion {{
 }}  // namespace {0}
 )";
 
+// For states (x, s) instead.
+constexpr const char* kPhase =
+    R"(// The motion with its phase: a control loop makes one at the start, and calls step() once a period.
+struct PhasedMotion {{
+  static constexpr int places = dimension - 1;  // coordinates of a position
+  double s = phase_start;
+
+  // v [places], in `unit` per second, at the position x [places]; then s moves on by `period` seconds (Euler's method).
+  void step(const double* x, double period, double* v) noexcept {{
+    double state[dimension], rate[dimension];
+    for (int i = 0; i < places; ++i) state[i] = x[i];
+    state[places] = s;
+    velocity(state, rate);
+    for (int i = 0; i < places; ++i) v[i] = rate[i];
+    s += period * rate[places];
+  }}
+
+  // Whether (x, s) lies in the safe set. False for NaN.
+  bool safe(const double* x) const noexcept {{
+    double state[dimension];
+    for (int i = 0; i < places; ++i) state[i] = x[i];
+    state[places] = s;
+    return {0}::safe(state);
+  }}
+}};
+
+}}  // namespace {0}
+)";
+
 // velocity(x, q, v, omega).
 void write_orientation(Text& text, const PolicyInfo& info) {
   const Eigen::Vector4d goal = goal_orientation_of(info);
@@ -546,7 +575,10 @@ std::string cpp_header(const Policy& policy, HeaderPrecision precision, const st
   put(text, kInterface, single ? "float" : "double");
   if (policy.orientation) write_orientation(text, policy.info);
   if (shielded) put(text, "{}", kShield);
-  put(text, kMotion, space);
+  if (policy.info.phase_start > 0.0)
+    put(text, kPhase, space);
+  else
+    put(text, kMotion, space);
   return fmt::to_string(text);
 }
 

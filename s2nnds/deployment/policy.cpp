@@ -28,6 +28,7 @@ Policy policy_of(const RunRecord& record) {
   info.initial_set = normalised + record.problem.initial;
   info.weight_hash = certificate.weight_hash.empty() ? weight_hash(record.networks) : certificate.weight_hash;
   info.dimension = record.data.dimension;
+  info.phase_start = frame.phase_start;
   info.position_scale = frame.position_scale;
   info.velocity_scale = frame.velocity_scale;
   info.goal.assign(frame.goal.begin(), frame.goal.end());
@@ -93,6 +94,8 @@ void check_policy(const Policy& policy) {
             std::isfinite(info.velocity_scale),
         "policy: found the scales {} and {}, expected finite and positive ones", info.position_scale,
         info.velocity_scale);
+  check(info.phase_start >= 0.0 && std::isfinite(info.phase_start) && (info.phase_start == 0.0 || n > 1),
+        "policy: found the phase_start {} in {} dimensions, expected a number >= 0", info.phase_start, n);
   check(info.barrier_float32_error >= 0.0 && info.barrier_float64_error >= 0.0,
         "policy: found the bounds {} and {} on the barrier's rounding, expected ones >= 0",
         info.barrier_float32_error, info.barrier_float64_error);

@@ -17,16 +17,17 @@ namespace s2nnds {
 // the data's: this is the only place that says so. Exporters subtract in double, since single precision would
 // lose digits far from the origin.
 struct PolicyInfo {
-  std::string name;                 // of the configuration
-  std::string unit;                 // of length: "mm", "m"; "" when unknown
-  std::string frame_name;           // of the positions' frame: "base_link"; "" when not told
-  std::string guarantee;            // "none", "sampled", "conformal", "proved" or "invariant"
-  std::string statement;            // what holds, in words
-  std::string unsafe_set;           // Xu in words, as the configuration wrote it
-  std::string initial_set;          // X0 in words, as the configuration wrote it
-  std::string weight_hash;          // SHA-256, in hexadecimal, of the networks that the guarantee speaks of
-  std::int64_t dimension = 0;       // n
-  std::vector<double> goal;         // [n]
+  std::string name;            // of the configuration
+  std::string unit;            // of length: "mm", "m"; "" when unknown
+  std::string frame_name;      // of the positions' frame: "base_link"; "" when not told
+  std::string guarantee;       // "none", "sampled", "conformal", "proved" or "invariant"
+  std::string statement;       // what holds, in words
+  std::string unsafe_set;      // Xu in words, as the configuration wrote it
+  std::string initial_set;     // X0 in words, as the configuration wrote it
+  std::string weight_hash;     // SHA-256, in hexadecimal, of the networks that the guarantee speaks of
+  std::int64_t dimension = 0;  // n, of states
+  double phase_start = 0.0;    // the last coordinate is a phase that starts here; 0: all are those of a place
+  std::vector<double> goal;    // [n]
   double position_scale = 1.0;      // `unit` per normalised length, > 0
   double velocity_scale = 1.0;      // `unit` per second and normalised velocity, > 0
   std::vector<double> workspace;    // [2 n]: lower corner, upper corner, within what was proved
@@ -66,6 +67,8 @@ struct PolicyInfo {
     visit("initial_set", initial_set, "where motions start, as the configuration wrote it");
     visit("weight_hash", weight_hash, "SHA-256 of the networks that the guarantee speaks of");
     visit("dimension", dimension, "of positions and velocities");
+    if (phase_start > 0.0)
+      visit("phase_start", phase_start, "of the last coordinate, a phase: where it starts");
     visit("goal", goal, "where motions end");
     visit("position_scale", position_scale, "(position - goal) / position_scale = normalised");
     visit("velocity_scale", velocity_scale, "normalised * velocity_scale = velocity");

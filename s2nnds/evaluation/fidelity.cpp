@@ -21,6 +21,7 @@ constexpr double kMostOfLimit = 1.5;
 constexpr double kStrays = 0.8;
 constexpr double kTouches = 1e-3;       // of the unsafe set's level, where a motion stops at it
 constexpr Eigen::Index kCorrected = 5;  // one of so many places is corrected
+constexpr Eigen::Index kEvery = 3;      // the same along a motion with a phase
 // Towards the path that should be taken, per distance to it, 1 / normalised time.
 constexpr double kGain = 1.0;
 // Corrections are at least so fast: motions start slowly, and errors of f as large as its velocity turn them
@@ -42,12 +43,13 @@ Shown shown_path(const Demonstration& demonstration, const SafetyProblem& proble
   return shown;
 }
 
-// Distances of the places of a path [M, n] from those that are shown; 0 where they do not count.
-Points distances(const Points& path, const Shown& shown) {
+// Distances, over the first `judged` coordinates, of the places of a path [M, n] from those that are shown; 0 where they
+// do not count.
+Points distances(const Points& path, const Shown& shown, Eigen::Index judged) {
   Points distance(path.rows(), kPlaces);
   for (Eigen::Index j = 0; j < kPlaces; ++j) {
     if (shown.counts[j]) {
-      distance.col(j) = (path.rowwise() - shown.place.row(j)).rowwise().norm();
+      distance.col(j) = (path.leftCols(judged).rowwise() - shown.place.row(j).head(judged)).rowwise().norm();
     } else {
       distance.col(j).setZero();
     }
@@ -56,8 +58,8 @@ Points distances(const Points& path, const Shown& shown) {
 }
 
 // Of the path [M, n] from what is shown; `limit` stays 0.
-Deviation deviation(const Points& path, const Shown& shown) {
-  const Points distance = distances(path, shown);
+Deviation deviation(const Points& path, const Shown& shown, Eigen::Index judged) {
+  const Points distance = distances(path, shown, judged);
   Deviation found;
   double pairs = 0.0;
   for (const auto& [i, j] : warp(distance).pairs) {
@@ -96,11 +98,11 @@ std::vector<Shown> shown_paths(const std::vector<Demonstration>& demonstrations,
 }
 
 // `limit`, or the distance to the nearest other demonstration, up to kMostOfLimit.
-double limit_of(const std::vector<Shown>& shown, std::size_t k, double limit) {
+double limit_of(const std::vector<Shown>& shown, std::size_t k, double limit, Eigen::Index judged) {
   if (shown.size() == 1) return limit;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t other = 0; other < shown.size(); ++other)
-    if (other != k) nearest = std::min(nearest, deviation(shown[other].place, shown[k]).mean);
+    if (other != k) nearest = std::min(nearest, deviation(shown[other].place, shown[k], judged).mean);
   return std::clamp(nearest, limit, kMostOfLimit * limit);
 }
 
@@ -113,11 +115,12 @@ struct Reference {
 
   Reference(const SafetyProblem& sets, const std::vector<Demonstration>& motions, double limit, double margin)
       : problem(sets), demonstrations(motions), shown(shown_paths(motions, sets, margin)) {
-    for (std::size_t k = 0; k < shown.size(); ++k) limits.push_back(limit_of(shown, k, limit));
+    for (std::size_t k = 0; k < shown.size(); ++k)
+      limits.push_back(limit_of(shown, k, limit, problem.places()));
   }
 
   Deviation from(std::size_t k, const Points& path) const {
-    Deviation found = deviation(path, shown[k]);
+    Deviation found = deviation(path, shown[k], problem.places());
     found.limit = limits[k];
     return found;
   }
@@ -169,8 +172,12 @@ Points velocities_along(const Demonstration& demonstration) {
 class CorrectionList {
  public:
   // Of a motion's path that should be as `led`, with velocities [kPlaces, n] there.
-  void add(const Points& path, const Shown& led, const Points& velocity) {
-    const Points distance = distances(path, led);
+  void add(const Points& path, const Shown& led, const Points& velocity, bool has_phase) {
+    if (has_phase) {
+      add_by_phase(path, led, velocity);
+      return;
+    }
+    const Points distance = distances(path, led, path.cols());
     for (const auto& [i, j] : warp(distance).pairs) {
       if ((i + j) % kCorrected != 0 || !led.counts[j]) continue;
       add(path.row(i), velocity.row(j) + kGain * (led.place.row(j) - path.row(i)));
@@ -189,6 +196,20 @@ class CorrectionList {
   }
 
  private:
+  // The phase says where the motion should be, and runs down as it does there: it is not led back itself.
+  void add_by_phase(const Points& path, const Shown& led, const Points& velocity) {
+    const Eigen::Index last = path.cols() - 1;
+    Eigen::Index j = 0;
+    for (Eigen::Index i = 0; i < path.rows(); i += kEvery) {
+      while (j + 1 < kPlaces && led.place(j, last) > path(i, last)) ++j;
+      if (!led.counts[j]) continue;
+      Eigen::RowVectorXd way = led.place.row(j) - path.row(i);
+      way[last] = 0.0;
+      add(path.row(i), velocity.row(j) + kGain * way);
+      add(led.place.row(j), velocity.row(j));
+    }
+  }
+
   void add(const Eigen::RowVectorXd& x, Eigen::RowVectorXd v) {
     const double speed = v.norm();
     if (speed > 0.0 && speed < kLeastSpeed && x.norm() > kLeastSpeed) v *= kLeastSpeed / speed;
@@ -237,7 +258,8 @@ VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& prob
     if (reference.leads_into_unsafe(k, shown[k])) continue;
     const Deviation found = reference.from(k, shown[k]);
     if (!found.follows()) strayed = true;
-    if (strays(found)) list.add(shown[k], reference.shown[k], velocities_along(demonstrations[k]));
+    if (strays(found))
+      list.add(shown[k], reference.shown[k], velocities_along(demonstrations[k]), problem.has_phase());
   }
   // Starts that were not shown are led as demonstrations go, so these come first.
   if (strayed) return list.list(problem.dimension());
@@ -246,7 +268,8 @@ VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& prob
     const Points& path = paths[static_cast<std::size_t>(i)];
     if (!strays(reference.from_best(path, starts.row(i)))) continue;
     const std::size_t k = nearest_start(demonstrations, starts.row(i).transpose());
-    list.add(path, reference.displaced(k, starts.row(i)), velocities_along(demonstrations[k]));
+    list.add(path, reference.displaced(k, starts.row(i)), velocities_along(demonstrations[k]),
+             problem.has_phase());
   }
   return list.list(problem.dimension());
 }

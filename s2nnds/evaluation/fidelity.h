@@ -9,7 +9,7 @@
 namespace s2nnds {
 
 // How far the motion from a demonstration's first point is from that demonstration: distances of places that
-// are matched in order, whenever they are passed. Normalised units.
+// are matched in order, whenever they are passed. Normalised units; a phase does not count.
 struct Deviation {
   double mean = 0.0;     // over the matched pairs
   double largest = 0.0;  // of them: the demonstration is followed within this distance
@@ -39,7 +39,8 @@ std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProb
 // Of the motions from the demonstrations' first points and from `starts` [N, n], those whose deviation is
 // more than 0.8 of its limit: at places along them and along the path that they should take (start_paths.h),
 // the velocity there, and back to it. Where a demonstration is not followed, only those of demonstrations. None
-// where a demonstration leads through the unsafe set and the motion stops there.
+// where a demonstration leads through the unsafe set and the motion stops there. Where the state has a phase, it tells the
+// place to go to, and is not led back itself.
 // Normalised units. Throws Error without demonstrations.
 VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& problem,
                                const std::vector<Demonstration>& demonstrations, const Points& starts,

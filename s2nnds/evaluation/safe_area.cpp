@@ -50,6 +50,19 @@ Points sobol_points(const Box& within, int count) {
   return x;
 }
 
+// The box without the phase.
+Box places_of(const SafetyProblem& problem) {
+  return {problem.workspace.lower.head(problem.places()), problem.workspace.upper.head(problem.places())};
+}
+
+// Places as states: a phase is where it starts.
+Points states_at(const Points& places, const SafetyProblem& problem) {
+  if (!problem.has_phase()) return places;
+  Points states(places.rows(), problem.dimension());
+  states << places, Vector::Constant(places.rows(), problem.phase_start);
+  return states;
+}
+
 // How many of the points have B <= 0.
 Eigen::Index count_inside(const StateFunction& B, const Points& x) {
   check_outputs(B, x.row(0), 1, "area");
@@ -73,11 +86,12 @@ Points evaluation_points(const Box& within, int cells) {
 SafeArea measure_safe_area(const StateFunction& f, const StateFunction& B, const SafetyProblem& problem,
                            int cells, const BatchRolloutOptions& options) {
   check(cells >= 0, "area: found cells = {}, expected >= 0", cells);
+  const Box places = places_of(problem);
   const Points x =
-      evaluation_points(problem.workspace, cells > 0 ? cells : default_cells(problem.dimension()));
+      states_at(evaluation_points(places, cells > 0 ? cells : default_cells(problem.places())), problem);
   const std::vector<bool> safe = rollout_is_safe(f, problem, x, options);
-  return {.safe_area = area_of(count_inside(B, x), x.rows(), problem.workspace),
-          .true_safe_area = area_of(std::count(safe.begin(), safe.end(), true), x.rows(), problem.workspace)};
+  return {.safe_area = area_of(count_inside(B, x), x.rows(), places),
+          .true_safe_area = area_of(std::count(safe.begin(), safe.end(), true), x.rows(), places)};
 }
 
 double sublevel_area(const StateFunction& B, const Box& within, int cells) {

@@ -5,7 +5,8 @@
 
 namespace s2nnds {
 
-// Areas within X (volumes in 3-D), in normalised units.
+// Areas within X (volumes in 3-D), in normalised units; where the state has a phase, of the places from which a motion
+// starts with the phase's start.
 struct SafeArea {
   double safe_area = 0.0;       // of {B <= 0}
   double true_safe_area = 0.0;  // of the points whose rollout is safe and reaches the goal

@@ -59,18 +59,20 @@ double dtw_independent(const Points& a, const Points& b) {
 }
 
 MotionErrors motion_errors(const StateFunction& f, const std::vector<Demonstration>& demonstrations,
-                           const RolloutOptions& options) {
+                           const RolloutOptions& options, Eigen::Index places) {
   if (demonstrations.empty()) return {kNotANumber, kNotANumber, kNotANumber, kNotANumber};
-  const Points velocity = stack_velocities(demonstrations);
-  const Points predicted = f.value(stack_positions(demonstrations));
+  const Eigen::Index judged = places > 0 ? places : demonstrations.front().dimension();
+  const Points velocity = stack_velocities(demonstrations).leftCols(judged);
+  const Points predicted = f.value(stack_positions(demonstrations)).leftCols(judged);
   MotionErrors errors;
   errors.mse = mean_squared_error(predicted, velocity);
   errors.sd = error_deviation(predicted, velocity);
   for (const Demonstration& shown : demonstrations) {
     const Vector times = shown.time.array() - shown.time[0];
-    const Points rolled = roll_out_at(f, shown.position.row(0).transpose(), times, options);
-    errors.dtw += dtw(rolled, shown.position);
-    errors.dtw_independent += dtw_independent(rolled, shown.position);
+    const Points rolled = roll_out_at(f, shown.position.row(0).transpose(), times, options).leftCols(judged);
+    const Points position = shown.position.leftCols(judged);
+    errors.dtw += dtw(rolled, position);
+    errors.dtw_independent += dtw_independent(rolled, position);
   }
   errors.dtw /= static_cast<double>(demonstrations.size());
   errors.dtw_independent /= static_cast<double>(demonstrations.size());

@@ -29,8 +29,9 @@ struct MotionErrors {
   double dtw = 0.0;              // dtw, mean over the demonstrations
   double dtw_independent = 0.0;  // dtw_independent, mean over the demonstrations
 };
-// Velocity errors at the samples; DTW of the rollout from each demonstration's first point at its times.
+// Velocity errors at the samples; DTW of the rollout from each demonstration's first point at its times. Both of the
+// first `places` coordinates alone, 0: of all.
 MotionErrors motion_errors(const StateFunction& f, const std::vector<Demonstration>& demonstrations,
-                           const RolloutOptions& options = {});
+                           const RolloutOptions& options = {}, Eigen::Index places = 0);
 
 }  // namespace s2nnds

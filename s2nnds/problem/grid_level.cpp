@@ -55,7 +55,7 @@ Vector grid_level(const Region& region, const std::vector<Vector>& axes) {
   Vector half(points.cols());
   for (Eigen::Index i = 0; i < half.size(); ++i) {
     const Vector& axis = axes[static_cast<std::size_t>(i)];
-    half[i] = 0.5 * (axis[1] - axis[0]);
+    half[i] = axis.size() > 1 ? 0.5 * (axis[1] - axis[0]) : 0.0;
   }
   const Points cell = grid_points(axes_of(half, points.cols() > 2 ? 5 : 9));
   Vector shown = level;

@@ -7,7 +7,7 @@
 
 namespace s2nnds {
 
-// All points of the grid with these coordinates on its axes, each evenly spaced and at least two, with the last axis
+// All points of the grid with these coordinates on its axes, each evenly spaced and at least one, with the last axis
 // running fastest: [product of the sizes, n].
 Points grid_points(const std::vector<Vector>& axes);
 

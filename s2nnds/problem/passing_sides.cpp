@@ -31,14 +31,15 @@ double angle_between(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b,
 std::optional<PassingSides> find_passing_sides(const SafetyProblem& problem,
                                                const std::vector<Demonstration>& demonstrations,
                                                double near) {
-  if (problem.dimension() != 2) return std::nullopt;
+  if (problem.places() != 2) return std::nullopt;
   const auto sampler = sampler_of(problem.unsafe, problem.workspace);
   if (!sampler) return std::nullopt;
   RandomStream random(0, "passing sides");
-  const Points obstacle = sampler->sample(200, random);
+  const Points obstacle = sampler->sample(200, random).leftCols(2);
   for (std::size_t a = 0; a < demonstrations.size(); ++a) {
     for (std::size_t b = a + 1; b < demonstrations.size(); ++b) {
-      const Points &first = demonstrations[a].position, &second = demonstrations[b].position;
+      const Points first = demonstrations[a].position.leftCols(2),
+                   second = demonstrations[b].position.leftCols(2);
       if ((first.row(0) - second.row(0)).norm() > near) continue;
       for (Eigen::Index k = 0; k < obstacle.rows(); ++k) {
         const Eigen::RowVector2d about = obstacle.row(k);

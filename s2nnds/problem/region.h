@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -58,7 +59,8 @@ struct PolygonHole {
 struct RegionOptions {
   // "none" (the empty set), ball, box, ellipsoid, polygon (2-D), oriented_box, capsule, cylinder (3-D), polytope
   // (convex), mesh (3-D), point_cloud, occupancy_image (2-D), polynomial, halfspace, expression, union,
-  // intersection, complement; of joint angles also arm; for an initial set also auto and ball_auto (safety_problem.h)
+  // intersection, complement, extrusion; of joint angles also arm; for an initial set also auto and ball_auto
+  // (safety_problem.h)
   std::string type = "none";
   std::vector<double> center = {};  // ball, ellipsoid, oriented_box: [n]; mesh, point_cloud: where the file's
                                     // origin lies, [n] or none
@@ -90,7 +92,13 @@ struct RegionOptions {
   double scale = 1.0;  // mesh, point_cloud: of the file's numbers, > 0: 0.001 for mm in a problem in m
   std::string unknown = "occupied";    // occupancy_image: what unknown cells and all beyond the map count as
   double sign = 1.0;                   // polynomial: inside where sign * p <= 0; 1 or -1
-  std::vector<RegionOptions> of = {};  // union, intersection: one region or more; complement: one
+  // union, intersection: one region or more; complement: one; extrusion: one in a dimension less, which holds whatever
+  // the last coordinate is
+  std::vector<RegionOptions> of = {};
+  // extrusion: the least last coordinate, -infinity allowed
+  double from = -std::numeric_limits<double>::infinity();
+  // extrusion: the greatest last coordinate, infinity allowed
+  double to = std::numeric_limits<double>::infinity();
   // arm: [a, alpha, d, theta] of each joint, lengths in the unit of `obstacles`, angles in rad; theta is added to the joint's
   std::vector<std::vector<double>> dh = {};
   std::string convention = "modified";  // arm: of dh, "modified" (Craig) or "standard"

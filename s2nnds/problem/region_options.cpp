@@ -7,6 +7,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/problem/arm_region.h"
+#include "s2nnds/problem/extruded_region.h"
 #include "s2nnds/problem/inflated_region.h"
 #include "s2nnds/problem/mesh_file.h"
 #include "s2nnds/problem/occupancy_region.h"
@@ -155,6 +156,15 @@ RegionPtr make_complement(const Making& making) {
   return complement(make_all(making).front());
 }
 
+RegionPtr make_extrusion(const Making& making) {
+  const RegionOptions& options = making.options;
+  check(options.of.size() == 1 && making.dimension > 1,
+        "extrusion: of has {} regions in {} dimensions, expected 1 region in at least 2", options.of.size(),
+        making.dimension);
+  return extruded(make_region(options.of.front(), making.dimension - 1, making.files, "of[0]"), options.from,
+                  options.to);
+}
+
 RegionPtr make_box(const Making& making) {
   const Box box{making.point(making.options.lower, "lower"), making.point(making.options.upper, "upper")};
   // Only a level that is the distance outside inflates to rounded corners.
@@ -199,7 +209,8 @@ const std::vector<std::pair<std::string, Maker>>& makers() {
       {"union", [](const Making& m) { return unite(make_all(m)); }},
       {"intersection", [](const Making& m) { return intersect(make_all(m)); }},
       {"complement", make_complement},
-      {"arm", [](const Making& m) { return arm_region(m.options, m.dimension, m.files); }}};
+      {"arm", [](const Making& m) { return arm_region(m.options, m.dimension, m.files); }},
+      {"extrusion", make_extrusion}};
   return all;
 }
 
@@ -262,7 +273,11 @@ void RegionOptions::visit(FieldVisitor& v) {
   if (is({"mesh", "point_cloud"})) v.field("scale", scale, above(0.0));
   if (type == "occupancy_image") v.field("unknown", unknown, {"occupied", "free"});
   if (type == "polynomial") v.field("sign", sign, between(-1.0, 1.0));
-  if (is({"union", "intersection", "complement"})) v.list("of", of);
+  if (is({"union", "intersection", "complement", "extrusion"})) v.list("of", of);
+  if (type == "extrusion") {
+    v.field("from", from, any_number());
+    v.field("to", to, any_number());
+  }
   if (!is({"none", "auto", "ball_auto"})) v.field("inflate", inflate, at_least(0.0));
 }
 

@@ -19,6 +19,8 @@ namespace {
 // Demonstrations whose first points lie farther apart than this (a share of the largest coordinate) start in places
 // of their own: one box around all would ask for motions from between them, where nothing was shown.
 constexpr double kStartGap = 0.25;
+// Of a phase, as shares of its start: the workspace's bounds, and how far X0 reaches on both sides of the start.
+constexpr double kLeastPhase = -0.25, kMostPhase = 1.25, kStartSlack = 0.02;
 
 // Where the user's coordinates and the normalised ones meet: sets come in as they are written, and places go
 // out into messages in the same unit and frame.
@@ -126,6 +128,34 @@ Workspace make_workspace(const ProblemOptions& options, const UserCoordinates& u
         "problem.bounds: found {}, expected the goal inside {}({})", user.text(whole),
         shrinks ? "by more than problem.containment leaves " : "", user.hint());
   return {whole, contained};
+}
+
+Vector appended(const Vector& x, double last) {
+  Vector longer(x.size() + 1);
+  longer << x, last;
+  return longer;
+}
+
+// The workspace of places, and what it is of states (x, s) whose phase starts at `start`.
+Workspace with_phase(const Workspace& places, double start, double containment) {
+  const auto extended = [&](const Box& box, double share) {
+    const double middle = 0.5 * (kLeastPhase + kMostPhase) * start,
+                 half = 0.5 * share * (kMostPhase - kLeastPhase) * start;
+    return Box{appended(box.lower, middle - half), appended(box.upper, middle + half)};
+  };
+  return {extended(places.whole, 1.0), extended(places.contained, containment > 0.0 ? containment : 1.0)};
+}
+
+// What holds of places, as a region of states: whatever the phase is, or where it starts.
+RegionOptions at_every_phase(RegionOptions places) {
+  if (places.type == "none") return places;
+  return {.type = "extrusion", .of = {std::move(places)}};
+}
+RegionOptions at_the_start(RegionOptions places, double start) {
+  return {.type = "extrusion",
+          .of = {std::move(places)},
+          .from = (1.0 - kStartSlack) * start,
+          .to = (1.0 + kStartSlack) * start};
 }
 
 // Of a sample that was read from a text file.
@@ -275,20 +305,32 @@ SafetyProblem build_problem(const ProblemOptions& options, const std::vector<Dem
   validate(options);
   check(!demonstrations.empty(), "problem: no demonstrations, expected at least one");
   const Eigen::Index dimension = demonstrations.front().dimension();
+  const Eigen::Index places = dimension - (frame.has_phase() ? 1 : 0);
   const UserCoordinates user(options.frame, frame);
-  const auto [whole, contained] = make_workspace(options, user, dimension);
+  const Frame place_frame = frame.has_phase() ? frame.of_places() : frame;
+  const UserCoordinates user_place(options.frame, place_frame);
+  const Workspace of_places = make_workspace(options, user_place, places);
   SafetyProblem problem;
+  problem.phase_start = frame.phase_start / frame.position_scale;
+  const auto [whole, contained] =
+      frame.has_phase() ? with_phase(of_places, problem.phase_start, options.containment) : of_places;
   problem.workspace = whole;
   if (checks) check_demonstrations_inside(problem.workspace, demonstrations, user);
   problem.contained = contained;
-  problem.written_unsafe = find_unsafe(options, frame, dimension);
+  problem.written_unsafe = find_unsafe(options, frame, places);
   find_joint_unit(problem.written_unsafe, options, frame);
+  if (frame.has_phase()) problem.written_unsafe = at_every_phase(std::move(problem.written_unsafe));
   problem.unsafe = make_region(problem.written_unsafe, dimension, files, "problem.unsafe");
   if (options.unsafe.type != "none") problem.unsafe = user.region(problem.unsafe);
   if (checks) check_unsafe(problem, options.unsafe.type, user);
   if (options.containment > 0.0) problem.workspace_margin = complement(box_region(contained));
-  problem.written_initial = find_initial(options, first_points(demonstrations), user, contained);
+  problem.written_initial =
+      find_initial(options, first_points(demonstrations).leftCols(places), user_place, of_places.contained);
   find_joint_unit(problem.written_initial, options, frame);
+  if (frame.has_phase()) {
+    problem.written_initial = at_the_start(std::move(problem.written_initial),
+                                           options.frame == "data" ? frame.phase_start : problem.phase_start);
+  }
   problem.initial = user.region(make_region(problem.written_initial, dimension, files, "problem.initial"));
   if (checks) check_initial(problem, contained, user);
   return problem;

@@ -25,8 +25,12 @@ struct SafetyProblem {
   // X0 and Xu as one would write them in the unit and frame of problem.frame, with nothing left to find out: what
   // make_region() makes of them are the sets above.
   RegionOptions written_initial, written_unsafe;
+  // Where the last coordinate, a phase (data/phase.h), starts; 0: there is none. Xu holds whatever the phase is.
+  double phase_start = 0.0;
 
   Eigen::Index dimension() const { return workspace.dimension(); }  // n
+  bool has_phase() const { return phase_start > 0.0; }
+  Eigen::Index places() const { return dimension() - (has_phase() ? 1 : 0); }  // coordinates of a place
 };
 
 // The workspace as a box of its own, in the unit and frame of problem.frame; without it, a cube.
@@ -37,7 +41,9 @@ struct BoundsOptions {
   void visit(FieldVisitor& v);  // names both
 };
 
-// What make_problem() builds the sets from.
+// What make_problem() builds the sets from. Where the state has a phase s (data/phase.h), all are written in places
+// alone: the obstacle is there whatever s is, X0 has s within 2 % of its start, and X reaches from -0.25 to 1.25 times
+// that start.
 struct ProblemOptions {
   // Whose unit and frame the sets below are written in: "data", positions as they are in the files (the
   // robot's), or "normalised", with the goal at the origin and the largest coordinate 1.

@@ -42,6 +42,10 @@ void check_settings(const std::vector<std::string>& settings) {
 
 // The demonstrations that the configuration names now, seen in the old run's frame: the networks know no other.
 void read_again(const Config& config, const std::string& data_dir, RunData& data) {
+  check(!data.frame.has_phase(),
+        "adapt: found other demonstrations for a run whose states have a phase; expected those that it has: "
+        "`train` "
+        "learns from others");
   DemonstrationSet as_read = read_demonstrations(config.data, data_dir);
   check(as_read.dimension() == data.dimension,
         "adapt: found demonstrations in {} dimensions, expected {} as before", as_read.dimension(),
@@ -69,11 +73,11 @@ RunData changed_data(const RunRecord& old, const Config& config, const std::vect
   if (std::any_of(settings.begin(), settings.end(),
                   [](const auto& each) { return names(each, "data.goal"); })) {
     const std::vector<double>& goal = config.data.goal.numbers;
-    check(config.data.goal.word.empty() && std::ssize(goal) == data.dimension &&
+    const Eigen::Index places = data.frame.places();
+    check(config.data.goal.word.empty() && std::ssize(goal) == places &&
               std::all_of(goal.begin(), goal.end(), [](double x) { return std::isfinite(x); }),
-          "adapt: data.goal: found something else than a point, expected {} finite coordinates",
-          data.dimension);
-    data.frame.goal = Eigen::Map<const Vector>(goal.data(), data.dimension);
+          "adapt: data.goal: found something else than a point, expected {} finite coordinates", places);
+    data.frame.goal.head(places) = Eigen::Map<const Vector>(goal.data(), places);
   }
   return data;
 }

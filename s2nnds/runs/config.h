@@ -38,7 +38,8 @@ struct EvaluationOptions {
   // Cells a side of the grid on which the safe area is measured, 0 to 2000; 0: 200 in 2-D, 40 in 3-D. In more
   // dimensions the number of Sobol points in all; 0: 40,000.
   std::int64_t area_cells = 0;
-  // Points a side of the grid stored for figures, 3 to 1001; at most 41 in 3-D, no grid in more dimensions.
+  // Points a side of the grid stored for figures, 3 to 1001; at most 41 in 3-D (81 of a plane with 13 of a phase), no grid
+  // in more dimensions.
   std::int64_t grid_points = 161;
 
   void visit(FieldVisitor& v);  // names each field once

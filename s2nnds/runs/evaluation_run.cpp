@@ -16,11 +16,18 @@ namespace {
 
 Grid make_grid(const PreparedRun& setup, const Networks& networks) {
   const Eigen::Index n = setup.problem.dimension();
-  const Eigen::Index side = n == 2 ? setup.config.evaluation.grid_points
-                                   : std::min<Eigen::Index>(41, setup.config.evaluation.grid_points);
+  const bool in_plane_with_phase = n == 3 && setup.problem.has_phase();
+  const Eigen::Index side = std::min<Eigen::Index>(n == 2                ? setup.config.evaluation.grid_points
+                                                   : in_plane_with_phase ? 81
+                                                                         : 41,
+                                                   setup.config.evaluation.grid_points);
   Grid grid;
   const Box& x = setup.problem.workspace;
-  for (Eigen::Index k = 0; k < n; ++k) grid.axes.push_back(Vector::LinSpaced(side, x.lower[k], x.upper[k]));
+  for (Eigen::Index k = 0; k < n; ++k) {
+    // Of a phase, eighths of its start: 0 and the start are among them.
+    const Eigen::Index points = in_plane_with_phase && k == 2 ? 13 : side;
+    grid.axes.push_back(Vector::LinSpaced(points, x.lower[k], x.upper[k]));
+  }
   const Points points = grid_points(grid.axes);
   grid.unsafe = grid_level(*setup.problem.unsafe, grid.axes);
   grid.initial = grid_level(*setup.problem.initial, grid.axes);
@@ -69,20 +76,21 @@ void measure_orientations(const PreparedRun& setup, const RunRecord& record, Eva
 void evaluate_motion(const PreparedRun& setup, RunRecord& record) {
   const Networks& networks = record.networks;
   const RolloutOptions& rollout = setup.config.evaluation.rollout;
-  const MotionErrors train_errors = motion_errors(networks.f, setup.train(), rollout);
+  const Eigen::Index places = setup.problem.places();
+  const MotionErrors train_errors = motion_errors(networks.f, setup.train(), rollout, places);
   EvaluationSummary summary;
   summary.mse_train = train_errors.mse;
   summary.sd_train = train_errors.sd;
   summary.dtw_train = train_errors.dtw;
   if (!setup.data.split.test.empty()) {
-    const MotionErrors test = motion_errors(networks.f, setup.test(), rollout);
+    const MotionErrors test = motion_errors(networks.f, setup.test(), rollout, places);
     summary.mse_test = test.mse;
     summary.sd_test = test.sd;
     summary.dtw_test = test.dtw;
     summary.dtw_independent_test = test.dtw_independent;
   }
   if (!setup.data.split.validation.empty()) {
-    summary.mse_validation = motion_errors(networks.f, setup.validation(), rollout).mse;
+    summary.mse_validation = motion_errors(networks.f, setup.validation(), rollout, places).mse;
   }
   const std::vector<Deviation> from_shown = deviations_of(setup, networks.f);
   summary.deviation_mean = summary.deviation_largest = summary.not_followed = 0.0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/runs/prepared_run.h"
 
+#include "s2nnds/core/check.h"
+#include "s2nnds/data/phase.h"
 #include "s2nnds/runs/version.h"
 
 namespace s2nnds {
@@ -11,6 +13,11 @@ PreparedRun prepare(Config config, RunData data, RegionFiles files) {
                     .demonstrations = {},
                     .problem = {},
                     .files = std::move(files)};
+  check(!setup.data.frame.has_phase() ||
+            (setup.config.execution.is_ideal() && !(setup.config.execution.damping > 0.0)),
+        "execution: found a model of how a robot executes the motion, whose states have a phase; expected "
+        "none: a "
+        "phase does not lag as a robot does (data.state = \"position\" is without)");
   setup.demonstrations = setup.data.normalized();
   setup.problem = make_problem(setup.config.problem, setup.demonstrations, setup.data.frame, setup.files);
   return setup;
@@ -18,8 +25,8 @@ PreparedRun prepare(Config config, RunData data, RegionFiles files) {
 
 PreparedRun prepare(const Config& config, DemonstrationSet as_read, RegionFiles files) {
   RunData data;
+  data.frame = find_state(as_read, config.data.state, config.data.normalization, config.data.goal);
   data.dimension = as_read.dimension();
-  data.frame = find_frame(as_read, config.data.normalization, config.data.goal);
   data.frame.name = config.data.frame_name;
   data.split = split_demonstrations(as_read.demonstrations.size(), config.data.test, config.data.validation);
   data.demonstrations = std::move(as_read.demonstrations);

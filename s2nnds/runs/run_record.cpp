@@ -119,6 +119,7 @@ void write(Hdf5Writer& file, const RunData& data) {
     file.write("/data/goal_orientation", data.frame.goal_orientation);
     file.write_attribute("/data", "quaternion_order", data.frame.quaternion_order);
   }
+  if (data.frame.has_phase()) file.write_attribute("/data", "phase_start", data.frame.phase_start);
   file.write("/data/goals", data.frame.goals);
   file.write("/data/train", data.split.train);
   file.write("/data/test", data.split.test);
@@ -148,6 +149,8 @@ RunData read_data(const Hdf5Reader& file) {
     data.frame.goal_orientation = file.read_vector("/data/goal_orientation");
     data.frame.quaternion_order = file.text_attribute("/data", "quaternion_order");
   }
+  if (file.has_attribute("/data", "phase_start"))
+    data.frame.phase_start = file.number_attribute("/data", "phase_start");
   data.dimension = file.integer_attribute("/data", "dimension");
   check(data.dimension >= 1, "{}: /data: found dimension {}, expected at least 1", file.path(),
         data.dimension);

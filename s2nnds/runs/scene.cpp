@@ -37,9 +37,8 @@ std::string crossing_text(const Crossing& c, double extent, const std::string& u
   if (c.first == c.second) {
     return fmt::format(
         "demonstration {} is at {} twice, at {:.3g} s and {:.3g} s, in directions {:.0f} degrees apart: it "
-        "crosses "
-        "itself, and a law x' = f(x) cannot tell the two branches apart; cut the recording, or add a "
-        "coordinate that does",
+        "crosses itself, and a law x' = f(x) cannot tell the two branches apart; choose data.state = "
+        "\"phase\", which can, or cut the recording",
         c.first, place, c.first_time, c.second_time, degrees(c.angle));
   }
   return fmt::format(
@@ -69,7 +68,7 @@ void warn_of_clearances(Scene& scene) {
 
 // The sets, refused or not.
 void build_problem(Scene& scene, const std::string& data_dir) {
-  const std::vector<Demonstration> normalised = scene.frame->normalize(scene.data.demonstrations);
+  const std::vector<Demonstration> normalised = scene.frame->normalize(scene.states);
   RegionFiles files(data_dir);
   try {
     scene.problem = make_problem(scene.config.problem, normalised, *scene.frame, files);
@@ -100,13 +99,13 @@ Array grid_of(const Vector& values, Eigen::Index dimension, Eigen::Index side) {
           {values.begin(), values.end()}};
 }
 
-// Levels of the sets on a grid over the workspace, in the data's frame.
+// Levels of the sets on a grid over the workspace, in the data's frame; of a phase, where it starts.
 void write_sets(Hdf5Writer& file, const Scene& scene) {
   const Frame& frame = *scene.frame;
   const SafetyProblem& problem = *scene.problem;
-  const Eigen::Index n = problem.dimension();
-  file.write("/workspace/lower", frame.to_data(problem.workspace.lower));
-  file.write("/workspace/upper", frame.to_data(problem.workspace.upper));
+  const Eigen::Index n = problem.places();
+  file.write("/workspace/lower", Vector(frame.to_data(problem.workspace.lower).head(n)));
+  file.write("/workspace/upper", Vector(frame.to_data(problem.workspace.upper).head(n)));
   if (n > 3) return;
   const Eigen::Index side = n == 2 ? 301 : 51;
   std::vector<Vector> axes;
@@ -115,6 +114,7 @@ void write_sets(Hdf5Writer& file, const Scene& scene) {
     file.write(fmt::format("/axes/{}", i),
                Vector((frame.position_scale * axes.back()).array() + frame.goal[i]));
   }
+  if (problem.has_phase()) axes.push_back(Vector::Constant(1, problem.phase_start));
   const auto level = [&](const Region& region) {
     const Vector values = grid_level(region, axes);
     return grid_of(values.cwiseMax(-1e6).cwiseMin(1e6), n, side);  // an empty region's is infinite
@@ -132,13 +132,13 @@ std::string place_text(const Vector& place, double extent, const std::string& un
   return fmt::format("({:.6g}){}{}", fmt::join(shown, ", "), unit.empty() ? "" : " ", unit);
 }
 
-std::vector<std::string> warnings_of(const Survey& survey, const std::string& unit) {
+std::vector<std::string> warnings_of(const Survey& survey, const std::string& unit, bool has_phase) {
   std::vector<std::string> warnings, closed, crossings, pauses;
   for (Eigen::Index k = 0; k < survey.closing.size(); ++k) {
     if (!survey.is_closed(k)) continue;
     closed.push_back(fmt::format(
         "demonstration {} ends where it starts ({} apart): the start is the goal, and a law x' = f(x) that "
-        "converges stays there; cut the recording into parts",
+        "converges stays there; choose data.state = \"phase\", or cut the recording into parts",
         k, with_unit(survey.closing[k] < 1e-9 * survey.extent ? 0 : survey.closing[k], unit)));
   }
   for (const Crossing& crossing : survey.crossings)
@@ -150,6 +150,7 @@ std::vector<std::string> warnings_of(const Survey& survey, const std::string& un
         "ever, so the stop is not learned",
         pause.demonstration, pause.duration, place_text(pause.place, survey.extent, unit), pause.start));
   }
+  if (has_phase) closed.clear(), crossings.clear();
   for (const auto& texts : {closed, crossings, pauses}) add_some(warnings, texts);
   return warnings;
 }
@@ -181,7 +182,8 @@ std::optional<std::string> sides_warning(const SafetyProblem& problem, const Fra
 std::string dimension_warning(const Config& config, Eigen::Index dimension) {
   if (dimension <= most_proved_dimensions || config.verification.method != Method::proof) return "";
   return fmt::format(
-      "a proof in {} dimensions is hardly to be hoped for: it gives up, mostly within half a minute, where far "
+      "a proof in {} dimensions is hardly to be hoped for: it gives up, mostly within half a minute, where "
+      "far "
       "more boxes than allowed seem to be needed, and then nothing is guaranteed. verification.method = "
       "\"conformal\" speaks of drawn points instead, and is over in minutes",
       dimension);
@@ -225,11 +227,17 @@ Scene look_at(const Config& config, const std::string& data_dir, const ReadingPr
   scene.config = config;
   scene.data = read_demonstrations(config.data, data_dir, progress);
   scene.survey = survey(scene.data);
-  scene.warnings = warnings_of(scene.survey, scene.data.unit);
+  scene.phase = choose_phase(config.data.state, scene.data, scene.survey);
+  if (scene.phase.used) scene.data.report.push_back(scene.phase.reason);
+  scene.warnings = warnings_of(scene.survey, scene.data.unit, scene.phase.used);
   try {
     split_demonstrations(scene.data.demonstrations.size(), config.data.test, config.data.validation);
-    scene.frame = find_frame(scene.data, config.data.normalization, config.data.goal);
-    scene.frame->name = config.data.frame_name;
+    DemonstrationSet states = scene.data;
+    Frame frame = find_frame(states, config.data.normalization, config.data.goal);
+    if (scene.phase.used) frame = add_phase(states, frame);
+    frame.name = config.data.frame_name;
+    scene.frame = std::move(frame);
+    scene.states = std::move(states.demonstrations);
   } catch (const Error& error) {
     scene.refusals.emplace_back(error.what());
   }
@@ -251,13 +259,15 @@ void save_scene(const std::string& path, const Scene& scene) {
     // As training sees it.
     if (moved) {
       position.rowwise() +=
-          scene.frame->goal.transpose() - scene.frame->goals.row(static_cast<Eigen::Index>(k));
+          (scene.frame->goal.transpose() - scene.frame->goals.row(static_cast<Eigen::Index>(k)))
+              .head(position.cols());
     }
     file.write(group + "/time", Vector(d.time.array() - d.time[0]));
     file.write(group + "/position", position);
     file.write(group + "/speed", Vector(d.velocity.rowwise().norm()));
   }
-  if (scene.frame) file.write("/goal", scene.frame->goal);
+  const Eigen::Index places = scene.data.dimension();
+  if (scene.frame) file.write("/goal", Vector(scene.frame->goal.head(places)));
   if (scene.problem) write_sets(file, scene);
   Points crossings(static_cast<Eigen::Index>(scene.survey.crossings.size()), scene.data.dimension());
   for (Eigen::Index i = 0; i < crossings.rows(); ++i)
@@ -266,8 +276,9 @@ void save_scene(const std::string& path, const Scene& scene) {
   std::vector<Vector> gaps;
   for (const Clearance& c : scene.clearances)
     if (c.at.size() > 0 && c.inside == 0) gaps.insert(gaps.end(), {c.at, c.in_region});
-  Points ends(static_cast<Eigen::Index>(gaps.size()), scene.data.dimension());
-  for (Eigen::Index i = 0; i < ends.rows(); ++i) ends.row(i) = gaps[static_cast<std::size_t>(i)].transpose();
+  Points ends(static_cast<Eigen::Index>(gaps.size()), places);
+  for (Eigen::Index i = 0; i < ends.rows(); ++i)
+    ends.row(i) = gaps[static_cast<std::size_t>(i)].head(places).transpose();
   if (ends.rows() > 0) file.write("/clearances", ends);  // [2 K, n]: from, to
   file.commit();
 }

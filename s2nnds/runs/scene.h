@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "s2nnds/data/phase.h"
 #include "s2nnds/data/survey.h"
 #include "s2nnds/problem/clearance.h"
 #include "s2nnds/runs/config.h"
@@ -20,7 +21,9 @@ struct Scene {
   Config config;
   DemonstrationSet data;  // as read and cleaned
   Survey survey;
-  std::optional<Frame> frame;            // none: the goal is refused
+  PhaseChoice phase;                  // whether a phase is added to the positions
+  std::optional<Frame> frame;         // none: the goal is refused
+  std::vector<Demonstration> states;  // [K] of `data`, with the phase where there is one; empty without frame
   std::optional<SafetyProblem> problem;  // normalised; none: a set cannot be made at all
   std::vector<Clearance> clearances;     // [K] in the data's unit and frame; empty without problem
   std::vector<std::string> refusals;     // why training would refuse it
@@ -30,8 +33,8 @@ struct Scene {
 // Reads the data and builds what can be built. Throws Error where the data cannot be read at all.
 Scene look_at(const Config& config, const std::string& data_dir, const ReadingProgress& progress = {});
 
-// What x' = f(x) cannot follow in demonstrations as read: closed ones, crossings, pauses.
-std::vector<std::string> warnings_of(const Survey& survey, const std::string& unit);
+// What x' = f(x) cannot follow in demonstrations as read: closed ones, crossings, pauses; with a phase, pauses alone.
+std::vector<std::string> warnings_of(const Survey& survey, const std::string& unit, bool has_phase = false);
 
 // Why no motion can be safe from all of the initial set and the demonstrations' starts, in words; empty where the obstacle
 // cuts nothing off from the goal, as far as a grid shows (find_reachability).

@@ -168,6 +168,20 @@ std::string coordinates(const RunRecord& record) {
       frame.position_text(frame.goal), units.workspace(), record.problem.unsafe, record.problem.initial);
 }
 
+// What the proof is of where a phase belongs to the state.
+std::string phase_in_words(const RunRecord& record) {
+  const Frame& frame = record.data.frame;
+  if (!frame.has_phase()) return "";
+  return fmt::format(
+      " The state is (x, s): x is the position, s a number that the controller starts at {} and integrates, "
+      "s' = "
+      "f_s(x, s), beside x' = f_x(x, s); it stands for the part of the path that is left, and is 0 at the "
+      "goal. "
+      "The unsafe set is one of x, whatever s is; V, B, the workspace and margins are of (x, s).",
+      UserUnits(record).in_data() ? fmt::format("{} {}", number(frame.phase_start), UserUnits(record).name())
+                                  : number(frame.phase_start / frame.position_scale));
+}
+
 // Hundredths of degrees, rounded so that what is said of them is true.
 double degrees_up(double radians) { return std::ceil(100.0 * degrees(radians) + 1e-6) / 100.0; }
 double degrees_down(double radians) { return std::floor(100.0 * degrees(radians) - 1e-6) / 100.0; }
@@ -251,6 +265,12 @@ std::string guarantee_sentence(const RunRecord& record) {
              "lies "
              "inside the workspace, so a motion is covered only while it stays inside.";
     case Guarantee::invariant:
+      if (record.data.frame.has_phase())
+        return "Proved: every motion (x, s)' = f(x, s), s a phase that the controller keeps, that starts in "
+               "the "
+               "safe set {B <= 0} stays in it for ever, never touches the unsafe set with x, and converges "
+               "to "
+               "the goal.";
       return "Proved: every motion xdot = f(x) that starts in the safe set {B <= 0} stays in it for ever, "
              "never "
              "touches the unsafe set, and converges to the goal.";
@@ -278,8 +298,8 @@ std::string guarantee_statement(const RunRecord& record) {
   const std::string turning = orientation_sentence(record);
   const std::string sentences = guarantee_sentence(record) + (turning.empty() ? "" : " " + turning);
   if (record.certificate.guarantee == Guarantee::none) return sentences + refutations(record);
-  return sentences + details(record) + orientation_details(record) + refutations(record) +
-         coordinates(record) +
+  return sentences + phase_in_words(record) + details(record) + orientation_details(record) +
+         refutations(record) + coordinates(record) +
          (record.certificate.execution.invariant
               ? " This is about a point of the robot that moves as told above, not about its other parts."
               : " This is about the kinematic motion of a point, not about a robot's tracking error.");

@@ -51,7 +51,7 @@ ordered_json in_unit(const RunRecord& record) {
   const Box& workspace = record.problem.workspace;
   const EvaluationSummary& e = record.evaluation;
   const Certificate& certificate = record.certificate;
-  const double volume = std::pow(frame.position_scale, static_cast<double>(record.data.dimension));
+  const double volume = std::pow(frame.position_scale, static_cast<double>(frame.places()));
   const auto position = [](const Vector& x) { return std::vector<double>(x.begin(), x.end()); };
   ordered_json json = {{"unit", frame.unit},
                        {"frame_name", frame.name},

@@ -29,10 +29,16 @@ std::string UserUnits::speed(double normalised) const {
   return in_data() ? found : fmt::format("{} ({} normalised)", found, number(normalised));
 }
 
-std::string UserUnits::volume(double normalised) const {
-  const auto n = static_cast<int>(record_.data.dimension);
-  const std::string found =
-      fmt::format("{} {}^{}", number(normalised * std::pow(record_.data.frame.position_scale, n)), name(), n);
+std::string UserUnits::volume(double normalised) const { return power(normalised, record_.data.dimension); }
+
+std::string UserUnits::area(double normalised) const {
+  return power(normalised, record_.data.frame.places());
+}
+
+std::string UserUnits::power(double normalised, Eigen::Index n) const {
+  const std::string found = fmt::format(
+      "{} {}^{}", number(normalised * std::pow(record_.data.frame.position_scale, static_cast<double>(n))),
+      name(), n);
   return in_data() ? found : fmt::format("{} normalised ({})", number(normalised), found);
 }
 

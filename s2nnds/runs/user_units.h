@@ -21,13 +21,17 @@ class UserUnits {
 
   std::string length(double normalised) const;  // "20 mm", "20 mm (0.05 normalised)"
   std::string speed(double normalised) const;   // "20 mm/s", "20 mm/s (0.05 normalised)"
-  std::string volume(double normalised) const;  // of dimension n: "20 mm^2", "0.05 normalised (20 mm^2)"
+  std::string volume(double normalised) const;  // of states: "20 mm^2", "0.05 normalised (20 mm^2)"
+  std::string area(
+      double normalised) const;  // the same of places, which have one dimension less with a phase
   // "(520, 200) mm", "(0.05, 0), which is (20, 0) mm from the goal"
   std::string position(const std::vector<double>& normalised) const;
   // "(0, -300) mm to (1000, 700) mm", rounded inwards; "(-1.25, -1.25) to (1.25, 1.25)"
   std::string workspace() const;
 
  private:
+  std::string power(double normalised, Eigen::Index n) const;
+
   const RunRecord& record_;
 };
 

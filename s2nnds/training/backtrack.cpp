@@ -88,8 +88,9 @@ Backtracked backtrack(const Networks& networks, const SafetyProblem& problem, co
   for (Eigen::Index i = 0; i < result.position.rows(); ++i) {
     Eigen::Index nearest = 0;
     (position.rowwise() - result.position.row(i)).rowwise().squaredNorm().minCoeff(&nearest);
-    result.velocity.row(i) =
-        velocity.row(nearest) + options.gain * (position.row(nearest) - result.position.row(i));
+    Eigen::RowVectorXd way = position.row(nearest) - result.position.row(i);
+    if (problem.has_phase()) way[n - 1] = 0.0;  // a phase never rises
+    result.velocity.row(i) = velocity.row(nearest) + options.gain * way;
   }
   return result;
 }

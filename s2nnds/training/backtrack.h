@@ -33,7 +33,7 @@ std::vector<Points> motions_to(const NetworkWeights& f, const Points& ends, cons
 
 // Of `counterexamples` [N, n] the last ones at which Bdot >= 0 and |B| < level_band are taken, and the
 // motions that come to them. One that passes X0 must be led elsewhere: f is to have the velocity of the
-// nearest demonstration sample (`position`, `velocity` [K, n]) plus gain times the way to it. The motions of
+// nearest demonstration sample (`position`, `velocity` [K, n]) plus gain times the way to it, in places. The motions of
 // the others end in {B > 0}, so B must be positive all along them, up to the edge of the workspace. The
 // losses at the counterexamples themselves could make do with an f that is nearly still there.
 Backtracked backtrack(const Networks& networks, const SafetyProblem& problem, const Points& counterexamples,

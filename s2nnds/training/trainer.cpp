@@ -14,6 +14,7 @@
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/networks/evaluator.h"
 #include "s2nnds/problem/funnel.h"
+#include "s2nnds/problem/phase_targets.h"
 #include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/level.h"
@@ -84,9 +85,11 @@ BatchSampler make_sampler(const SafetyProblem& problem, const std::vector<Demons
                           const TrainerOptions& options, std::uint64_t seed) {
   const std::vector<Demonstration> shown = smoothed(demonstrations, options.smoothing);
   RandomStream random(seed, "funnel");
-  const double beside = options.funnel * static_cast<double>(stack_positions(shown).rows());
+  const std::int64_t count =
+      std::llround(options.funnel * static_cast<double>(stack_positions(shown).rows()));
   return BatchSampler(problem, with_start_paths(shown, problem, options.start_paths, seed), options,
-                      funnel_samples(problem, shown, std::llround(beside), random));
+                      problem.has_phase() ? phase_targets(problem, shown, count, random)
+                                          : funnel_samples(problem, shown, count, random));
 }
 
 NetworkWeights between(NetworkWeights a, const NetworkWeights& b, double part) {

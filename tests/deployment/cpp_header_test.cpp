@@ -194,6 +194,42 @@ TEST_F(CppHeader, TheGoalIsAnEquilibriumExactly) {
   }
 }
 
+// Of states (x, s): s starts where the policy says, moves on by its rate times the period, and stays with the object.
+TEST_F(CppHeader, KeepsAPhase) {
+  Policy policy = random_policy(random_networks(3, Activation::tanh, random_));
+  policy.info.phase_start = 425.0;
+  export_policy(policy, export_format_from("header"), {HeaderPrecision::float64}, path("policy.h"));
+  std::ofstream(path("phase.cpp")) << R"(#include "policy.h"
+#include <cstdio>
+int main() {
+  policy_policy::PhasedMotion motion;
+  const double x[2] = {520.0, -250.0};
+  double v[2];
+  for (int k = 0; k < 4; ++k) {
+    motion.step(x, 0.01, v);
+    std::printf("%.17g %.17g %.17g %d\n", v[0], v[1], motion.s, motion.safe(x) ? 1 : 0);
+  }
+}
+)";
+  ASSERT_TRUE(compile(path("phase.cpp"), "-O1")) << errors();
+  ASSERT_EQ(std::system(fmt::format("{} > {}", path("driver"), path("results.txt")).c_str()), 0);
+  std::ifstream results(path("results.txt"));
+  double s = policy.info.phase_start;
+  for (int k = 0; k < 4; ++k) {
+    const Vector state{{520.0, -250.0, s}}, z = (state - far_goal(3)) / 40.0;
+    const Vector rate = 25.0 * policy.networks.f.value(z.transpose()).row(0).transpose();
+    double v0 = 0.0, v1 = 0.0, found = 0.0;
+    int safe = -1;
+    results >> v0 >> v1 >> found >> safe;
+    EXPECT_NEAR(v0, rate[0], 1e-9);
+    EXPECT_NEAR(v1, rate[1], 1e-9);
+    s += 0.01 * rate[2];
+    EXPECT_NEAR(found, s, 1e-9);
+    const Vector after = (Vector{{520.0, -250.0, s}} - far_goal(3)) / 40.0;
+    EXPECT_EQ(safe == 1, policy.networks.B.value(after.transpose())(0, 0) <= 0.0);
+  }
+}
+
 TEST_F(CppHeader, NanStaysNanAndFarPointsStayFinite) {
   for (const Activation activation :
        {Activation::tanh, Activation::elu, Activation::softplus, Activation::silu}) {
@@ -224,8 +260,7 @@ TEST_F(CppHeader, SafeIsTheSublevelSetOfTheBarrierWithinTheWorkspace) {
 
 // On {B = 0}, where rounding decides.
 TEST_P(CppHeaderOf, SafeIsNeverTrueWhereTheExactBarrierIsPositive) {
-  const Networks networks =
-      with_barrier(random_networks(2, Activation::tanh, random_), GetParam(), random_);
+  const Networks networks = with_barrier(random_networks(2, Activation::tanh, random_), GetParam(), random_);
   const Policy policy = random_policy(networks);
   const Points x = boundary_positions(policy, 150, random_);
   write_policy(networks, "header", path("policy.h"));

@@ -57,20 +57,30 @@ class CasesTest(ProgramTest):
         self.assertTrue(0.05 < self.exported_speed(run) < 0.4)
 
     def test_02_closed_loop(self):
-        seen, _ = self.seen("02-closed-loop-does-not-move", "--set", "problem.unsafe={type='none'}")
+        none, position = ("--set", "problem.unsafe={type='none'}"), ("--set", 'data.state="position"')
+        seen, _ = self.seen("02-closed-loop-does-not-move", *none)
+        self.assertEqual(seen["problems"], [])  # a phase tells its start from its end
+        seen, _ = self.seen("02-closed-loop-does-not-move", *none, *position)
         self.assertIn("ends where it starts", seen["problems"][0])
         # As it is, its obstacle is wrong, too: what no training can do comes first.
         code, _, err = self.train("02-closed-loop-does-not-move")
         self.assertEqual(code, 2, err)
-        self.assertIn("ends where it starts", " ".join(err.splitlines()[:-1]))
+        self.assertIn("3 of 3 end where they start or were before", " ".join(err.splitlines()[:-1]))
         self.assertIn("no points in the workspace", err.splitlines()[-1])
-        _, err = self.trained_case("02-closed-loop-does-not-move", NO_OBSTACLE)
+        run, err = self.trained_case("02-closed-loop-does-not-move", NO_OBSTACLE)
+        self.assertIn("auto chose phase", err)
+        self.assertEqual((run.dimension, run.data.places), (3, 2))
+        _, err = self.trained_case("02-closed-loop-does-not-move", {**NO_OBSTACLE, "data.state": '"position"'})
         self.assertIn("demonstration 0 ends where it starts (0 m apart): the start is the goal", err)
 
     def test_04_loop(self):
-        seen, _ = self.seen("04-loop-in-the-stroke")
+        self.assertEqual(self.seen("04-loop-in-the-stroke")[0]["problems"], [])
+        seen, _ = self.seen("04-loop-in-the-stroke", "--set", 'data.state="position"')
         self.assertIn("it crosses itself", seen["problems"][0])
-        _, err = self.trained_case("04-loop-in-the-stroke")
+        run, err = self.trained_case("04-loop-in-the-stroke")
+        self.assertIn("3 of 3 cross themselves", err)
+        self.assertEqual(run.data.places, 2)
+        _, err = self.trained_case("04-loop-in-the-stroke", {"data.state": '"position"'})
         self.assertIn("demonstration 0 is at (-0.554, 0.007) m twice", err)
 
     def test_05_two_goals(self):

@@ -76,10 +76,10 @@ def start(*words, cwd, variables=None, **options):
     )
 
 
-def call(*words, cwd, **options):
+def call(*words, cwd, timeout=300, **options):
     """(exit code, stdout, stderr) of one call."""
     process = start(*words, cwd=cwd, **options)
-    out, err = process.communicate(timeout=300)
+    out, err = process.communicate(timeout=timeout)
     return process.returncode, out, err
 
 

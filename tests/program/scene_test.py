@@ -79,15 +79,19 @@ class SceneTest(ProgramTest):
     def test_what_no_law_can_follow_is_named(self):
         self.record("circle", lambda s: [0.2 * np.cos(2 * np.pi * s), 0.2 * np.sin(2 * np.pi * s)])
         _, found = self.new("circle.csv")
-        self.assertIn("ends where it starts", found["problems"][0])
+        self.assertEqual(found["problems"], [])  # a phase is proposed
+        position = ("--set", 'data.state="position"')
+        _, seen, _ = self.preview(*position)
+        self.assertIn("ends where it starts", seen["problems"][0])
         # Training says so first, whatever else is wrong.
-        code, _, err = self.call("train", "my.toml", "--set", 'problem.unsafe={ type = "ball", center = [9.0, 0.0], radius = 0.1 }')
+        code, _, err = self.call("train", "my.toml", *position, "--set", 'problem.unsafe={ type = "ball", center = [9.0, 0.0], radius = 0.1 }')
         self.assertEqual(code, 2, err)
         self.assertIn("ends where it starts", " ".join(err.splitlines()[:-1]))
         self.assertIn("no points in the workspace", err.splitlines()[-1])
         self.record("loop", lambda s: [(3 * s - 1.5) ** 3 - (3 * s - 1.5) + 2 * s, 1 - (3 * s - 1.5) ** 2])
-        _, found = self.new("loop.csv")
-        self.assertIn("it crosses itself", " ".join(found["problems"]))
+        self.new("loop.csv")
+        _, seen, _ = self.preview(*position)
+        self.assertIn("it crosses itself", " ".join(seen["problems"]))
         self.record("there", lambda s: [s, 0.3 * s * (1 - s)])
         self.record("back", lambda s: [1 - s, 0.3 * s * (1 - s)])
         out, found = self.new("there.csv", "back.csv")

@@ -255,6 +255,47 @@ TEST_F(Checker, ReadsExpressions) {
   EXPECT_EQ(exit_code(record), 2);
 }
 
+// The hand-made system with a phase s beside x, as a barrier that is negative for |x_i| < 0.8 and |s - 0.5| < 0.65.
+Networks networks_with_phase() {
+  Networks networks = {linear_field(-Points::Identity(3, 3)), {}, {}};
+  networks.V.layers = {layer(Points::Identity(3, 3), Vector(), Activation::identity)};
+  networks.V.head = Head::squared_norm;
+  networks.V.quadratic = 0.05;
+  Points inner = Points::Zero(6, 3), outer(1, 6);
+  Vector shift(6);
+  for (int i = 0; i < 3; ++i) {
+    const double gain = i == 2 ? 8.0 : barrier_gain, middle = i == 2 ? 0.5 : 0.0,
+                 edge = i == 2 ? 0.65 : barrier_edge;
+    inner(2 * i, i) = inner(2 * i + 1, i) = gain;
+    shift(2 * i) = -gain * (middle + edge);
+    shift(2 * i + 1) = gain * (edge - middle);
+    outer(0, 2 * i) = 1.0;
+    outer(0, 2 * i + 1) = -1.0;
+  }
+  networks.B.layers = {layer(inner, shift, Activation::tanh),
+                       layer(outer, Vector::Constant(1, 6.0 - barrier_level), Activation::tanh),
+                       layer(Points::Identity(1, 1), Vector(), Activation::identity)};
+  return networks;
+}
+
+TEST_F(Checker, ReadsStatesWithAPhase) {
+  const auto config = [](const std::string& center) {
+    return fmt::format(
+        "{}state = \"phase\"\n[problem]\nframe = \"normalised\"\n"
+        "initial = {{ type = \"ball\", center = [0.3, -0.2], radius = 0.2 }}\n"
+        "unsafe = {{ type = \"ball\", center = {}, radius = 0.1 }}\n[training]\nlevel_band = 0.01\n",
+        kMotion, center);
+  };
+  RunRecord record = run_of(config("[1.05, 1.05]"), networks_with_phase());
+  ASSERT_EQ(record.certificate.guarantee, Guarantee::invariant);
+  EXPECT_EQ(exit_code(record), 0);
+  // An obstacle that {B <= 0} touches for some phases alone.
+  record = run_of(config("[0.85, 0.0]"), networks_with_phase());
+  ASSERT_NE(record.certificate.guarantee, Guarantee::invariant);
+  claim(record, networks_with_phase());
+  EXPECT_EQ(exit_code(record), 3);
+}
+
 TEST_F(Checker, SaysThatItDoesNotLookAtTheExecution) {
   const Certified certified = hand_made();
   const auto output_of = [&](const std::vector<std::string>& settings) {

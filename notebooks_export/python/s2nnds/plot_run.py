@@ -4,6 +4,7 @@
     python -m s2nnds.plot_run RUN.h5 --out DIR [--format png|pdf]
 
 2-D: phase_portrait, lyapunov, history. 3-D: the same and slices. More dimensions: pairwise projections. Poses: poses.
+States (x, s) with x in the plane: phase_portrait in that plane, slices at several s, states in all three dimensions.
 Prints the paths it wrote; exit code 2 and one line on stderr when the file or the folder cannot be used.
 """
 
@@ -87,7 +88,14 @@ def title_of(run):
     return "\n".join([f"{name_of(run)}: guarantee {run.guarantee}", *([", ".join(facts)] if facts else [])])
 
 
+def has_phase(run):
+    """The motion is one in the plane with a phase."""
+    return run.dimension == 3 and run.data.places == 2
+
+
 def letter(run, k):
+    if k == run.data.places:
+        return "s"
     return "xyz"[k] if run.dimension <= 3 else f"$x_{{{k + 1}}}$"
 
 
@@ -316,6 +324,53 @@ def phase_portrait_2d(run):
     handles = draw_phase_portrait(ax, run)
     ax.set_title(title_of(run))
     legend_below(figure, handles)
+    return figure
+
+
+PHASES = (1.0, 0.75, 0.5, 0.25, 0.0)  # shares of the start at which a motion with a phase is shown
+
+
+def at_phase(run, share):
+    """The plane of the places where the phase is nearest to this share of its start: its number and value, and the fields."""
+    index = nearest(run.grid.axes[2], share * run.data.phase_start)
+    return index, run.grid.axes[2][index], plane(run.grid, 2, index)[2]
+
+
+def phase_portrait_of_places(run):
+    """Motions in the plane, whatever the phase; the safe set is that of the places where a motion may start."""
+    _, value, cut = at_phase(run, 1.0)
+    width, height = (np.ptp(axis) for axis in cut.axes)
+    figure, ax = plt.subplots(figsize=(6.2, 1.0 + 5.2 * np.clip(height / width, 0.4, 1.6)), constrained_layout=True)
+    handles = draw_sets(ax, *cut.axes, cut.unsafe, cut.initial, cut.B)
+    for handle in handles:
+        if handle.get_label().startswith("safe set"):
+            handle.set_label(f"safe starts: {{B ≤ 0}} at s = {value:.3g} {run.data.unit}".rstrip())
+    handles += draw_motions(ax, run)
+    draw_goal(ax, run)
+    frame(ax, run)
+    ax.set_title(title_of(run))
+    legend_below(figure, handles + [goal_handle()])
+    return figure
+
+
+def slices_of_phase(run):
+    """The safe set and the flow while the phase runs down, with the parts of the motions at that time."""
+    figure, axes = plt.subplots(2, 3, figsize=(10.5, 7.8), squeeze=False, constrained_layout=True)
+    handles = []
+    for ax, share in zip(axes.flat, PHASES):
+        index, value, cut = at_phase(run, share)
+        handles += draw_sets(ax, *cut.axes, cut.unsafe, cut.initial, cut.B)
+        handles += draw_flow(ax, *cut.axes, cut.velocity[..., :2], density=0.9)
+        handles += draw_motions(ax, run, at=(2, value))
+        boxes = all_open_boxes(run)
+        handles += draw_boxes(ax, boxes[(boxes[:, 2] <= value) & (value <= boxes[:, 5])])
+        if share == PHASES[-1]:
+            draw_goal(ax, run)
+        frame(ax, run)
+        ax.set_title(fixed_text(run, 2, index), fontsize=10)
+    axes.flat[-1].axis("off")
+    figure.suptitle(f"{title_of(run)}\n(of demonstrations and rollouts the parts while s is near that value)", fontsize=11)
+    legend_below(figure, handles + [goal_handle()], columns=4)
     return figure
 
 
@@ -745,6 +800,10 @@ def make_figures(run):
     run = with_grid(run)
     if run.dimension == 2:
         yield "phase_portrait", phase_portrait_2d(run)
+    elif has_phase(run):
+        yield "phase_portrait", phase_portrait_of_places(run)
+        yield "slices", slices_of_phase(run)
+        yield "states", phase_portrait_3d(run)
     elif run.dimension == 3:
         yield "phase_portrait", phase_portrait_3d(run)
         yield "slices", slices(run)

@@ -33,6 +33,7 @@ class Policy(torch.nn.Module):
         self.statement: str = run.certificate.get("statement", "")
         self.weight_hash: str = run.certificate.get("weight_hash", "")
         self.dimension: int = run.dimension
+        self.phase_start: float = run.phase_start
         self.position_scale: float = run.data.position_scale
         self.velocity_scale: float = run.data.velocity_scale
         self.barrier_error: float = run.certificate.get("barrier_float64_error", 0.0)

@@ -10,6 +10,7 @@
     run.policy()                          # the policy as a torch.nn.Module, in the data's unit
     run.shield(x, wanted)                 # any wanted velocity made safe, where the certificate has a shield
     run.velocity(p)                       # in the data's unit and frame
+    run.phase_start                       # of states (x, s) with a phase s: where s starts
     run.pose_velocity(p, q)               # of poses: velocity and angular velocity [rad/s], in the data's frame
     run.history["mse"]                    # [rounds]
     run.data.demonstrations               # as read: in the data's unit and frame, time in s
@@ -250,7 +251,13 @@ class Data:
     demonstrations: list = field(default_factory=list)
     goal_orientation: np.ndarray = None  # [4] (w, x, y, z) of poses
     quaternion_order: str = ""  # of the user's quaternions: xyzw, wxyz; "" without
+    phase_start: float = 0.0  # in `unit`: where the last coordinate, a phase, starts; 0: all are those of a place
     report: list = field(default_factory=list)  # what was recognised and cleaned while reading, a line each
+
+    @property
+    def places(self):
+        """How many of the coordinates are those of a place: all but a phase."""
+        return self.dimension - (self.phase_start > 0.0)
 
     @property
     def time_scale(self):
@@ -450,6 +457,13 @@ class Run:
         return self.data.dimension
 
     @property
+    def phase_start(self):
+        """Where the last coordinate of the states (x, s), a phase, starts, in the data's unit; 0 without one.
+
+        A controller begins with s = phase_start and integrates it: s' is the last of velocity(numpy.append(x, s))."""
+        return self.data.phase_start
+
+    @property
     def guarantee(self):
         return self.certificate["guarantee"]
 
@@ -624,6 +638,7 @@ class Run:
             _array(group, "goals", (None, n)),
             **indices,
             frame_name=values.get("frame_name", ""),
+            phase_start=float(values.get("phase_start", 0.0)),
         )
         if "goal_orientation" in group:
             self.data.goal_orientation = _array(group, "goal_orientation", (4,))
