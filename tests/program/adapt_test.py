@@ -146,7 +146,7 @@ class FidelityTest(ProgramTest):
             np.savetxt(os.path.join(folder, f"{k}.csv"), rows, delimiter=",", header="time,x,y", comments="")
         config = self.path("loop.toml")
         with open(config, "w") as file:
-            file.write('name = "loop"\n[data]\nsource = "csv"\nfiles = ["loop/*.csv"]\ntest = []\n'
+            file.write('name = "loop"\n[data]\nsource = "csv"\nfiles = ["loop/*.csv"]\ntest = []\nstate = "position"\n'
                        '[training]\nimitation_finetune_rounds = 0\nenlarge_rounds = 0\nrounds = 12\n'
                        '[problem]\nunsafe = { type = "ball", center = [0.2, -0.2], radius = 0.05 }\n')
         code, out, err = self.call("train", config, "--data", self.folder, "--out", self.path("loop.h5"), "--json")
