@@ -443,8 +443,7 @@ Region read_region(const toml::table& table, size_t n) {
     std::erase(whole.rest, ' ');
     region.level = whole.chain(true);
     if (!whole.rest.empty()) fail("no expression at " + whole.rest);
-  } else if (type ==
-             "extrusion") {  // of a region in a dimension less, between two values of the last coordinate
+  } else if (type == "extrusion") {  // of one in a dimension less, between two values of the last coordinate
     const toml::array& of = need<toml::array>(table, "of");
     if (n < 2 || of.size() != 1 || !of[0].is_table()) fail("an extrusion of something else than one region");
     const Region base = read_region(*of[0].as_table(), n - 1);

@@ -85,21 +85,13 @@ KinematicChain::KinematicChain(const std::vector<std::vector<double>>& rows, DhC
   base_ = base;
 }
 
-template <>
-double KinematicChain::cosine<double>(const Link& link) {
-  return link.cos_alpha;
-}
-template <>
-Interval KinematicChain::cosine<Interval>(const Link& link) {
-  return link.exact_cos;
-}
-template <>
-double KinematicChain::sine<double>(const Link& link) {
-  return link.sin_alpha;
-}
-template <>
-Interval KinematicChain::sine<Interval>(const Link& link) {
-  return link.exact_sin;
+template <typename Number>
+std::pair<Number, Number> KinematicChain::twist(const Link& link) {
+  if constexpr (std::is_same_v<Number, double>) {
+    return {link.cos_alpha, link.sin_alpha};
+  } else {
+    return {link.exact_cos, link.exact_sin};
+  }
 }
 
 template <typename Number>
@@ -121,16 +113,17 @@ std::vector<FramePose<Number>> KinematicChain::frames(const std::vector<Number>&
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& link = links_[i];
     const Number angle = angles[i] + Number(link.theta);
+    const auto [cosine, sine] = twist<Number>(link);
     pose.step = {};
     if (convention_ == DhConvention::modified) {
       shift(pose, {link.a, 0.0, 0.0});
-      turn(pose, 1, cosine<Number>(link), sine<Number>(link));
+      turn(pose, 1, cosine, sine);
       shift(pose, {0.0, 0.0, link.d});
       turn_about_z(pose, angle);
     } else {
       turn_about_z(pose, angle);
       shift(pose, {link.a, 0.0, link.d});
-      turn(pose, 1, cosine<Number>(link), sine<Number>(link));
+      turn(pose, 1, cosine, sine);
     }
     poses.push_back(pose);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "s2nnds/core/points.h"
@@ -57,10 +58,9 @@ class KinematicChain {
     double a, d, theta, cos_alpha, sin_alpha;
     Interval exact_cos, exact_sin;  // of alpha
   };
+  // Cosine and sine of its alpha.
   template <typename Number>
-  static Number cosine(const Link& link);
-  template <typename Number>
-  static Number sine(const Link& link);
+  static std::pair<Number, Number> twist(const Link& link);
 
   std::vector<Link> links_;
   DhConvention convention_;

@@ -34,8 +34,7 @@ void check_settings(const std::vector<std::string>& settings) {
   for (const std::string& setting : settings) {
     check(setting.starts_with("problem.") || names(setting, "data.goal") || names_demonstrations(setting),
           "adapt: found the setting \"{}\", expected keys below problem., data.goal, or which demonstrations "
-          "there are "
-          "(data.files, use, test, validation); `train` makes other motions",
+          "there are (data.files, use, test, validation); `train` makes other motions",
           setting);
   }
 }
@@ -44,8 +43,7 @@ void check_settings(const std::vector<std::string>& settings) {
 void read_again(const Config& config, const std::string& data_dir, RunData& data) {
   check(!data.frame.has_phase(),
         "adapt: found other demonstrations for a run whose states have a phase; expected those that it has: "
-        "`train` "
-        "learns from others");
+        "`train` learns from others");
   DemonstrationSet as_read = read_demonstrations(config.data, data_dir);
   check(as_read.dimension() == data.dimension,
         "adapt: found demonstrations in {} dimensions, expected {} as before", as_read.dimension(),

@@ -16,8 +16,7 @@ PreparedRun prepare(Config config, RunData data, RegionFiles files) {
   check(!setup.data.frame.has_phase() ||
             (setup.config.execution.is_ideal() && !(setup.config.execution.damping > 0.0)),
         "execution: found a model of how a robot executes the motion, whose states have a phase; expected "
-        "none: a "
-        "phase does not lag as a robot does (data.state = \"position\" is without)");
+        "none: a phase does not lag as a robot does (data.state = \"position\" is without)");
   setup.demonstrations = setup.data.normalized();
   setup.problem = make_problem(setup.config.problem, setup.demonstrations, setup.data.frame, setup.files);
   return setup;

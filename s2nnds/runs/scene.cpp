@@ -183,8 +183,7 @@ std::string dimension_warning(const Config& config, Eigen::Index dimension) {
   if (dimension <= most_proved_dimensions || config.verification.method != Method::proof) return "";
   return fmt::format(
       "a proof in {} dimensions is hardly to be hoped for: it gives up, mostly within half a minute, where "
-      "far "
-      "more boxes than allowed seem to be needed, and then nothing is guaranteed. verification.method = "
+      "far more boxes than allowed seem to be needed, and then nothing is guaranteed. verification.method = "
       "\"conformal\" speaks of drawn points instead, and is over in minutes",
       dimension);
 }

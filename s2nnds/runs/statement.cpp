@@ -174,10 +174,8 @@ std::string phase_in_words(const RunRecord& record) {
   if (!frame.has_phase()) return "";
   return fmt::format(
       " The state is (x, s): x is the position, s a number that the controller starts at {} and integrates, "
-      "s' = "
-      "f_s(x, s), beside x' = f_x(x, s); it stands for the part of the path that is left, and is 0 at the "
-      "goal. "
-      "The unsafe set is one of x, whatever s is; V, B, the workspace and margins are of (x, s).",
+      "s' = f_s(x, s), beside x' = f_x(x, s); it stands for the part of the path that is left, and is 0 at "
+      "the goal. The unsafe set is one of x, whatever s is; V, B, the workspace and margins are of (x, s).",
       UserUnits(record).in_data() ? fmt::format("{} {}", number(frame.phase_start), UserUnits(record).name())
                                   : number(frame.phase_start / frame.position_scale));
 }
@@ -267,10 +265,8 @@ std::string guarantee_sentence(const RunRecord& record) {
     case Guarantee::invariant:
       if (record.data.frame.has_phase())
         return "Proved: every motion (x, s)' = f(x, s), s a phase that the controller keeps, that starts in "
-               "the "
-               "safe set {B <= 0} stays in it for ever, never touches the unsafe set with x, and converges "
-               "to "
-               "the goal.";
+               "the safe set {B <= 0} stays in it for ever, never touches the unsafe set with x, and "
+               "converges to the goal.";
       return "Proved: every motion xdot = f(x) that starts in the safe set {B <= 0} stays in it for ever, "
              "never "
              "touches the unsafe set, and converges to the goal.";

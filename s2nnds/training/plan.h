@@ -31,8 +31,8 @@ struct RoundPlan {
 // - search, until a round of at least min_rounds ends clean and its motions follow the demonstrations (after
 //   six clean ones whose motions do not, without that), or `rounds` have ended. Rates fall from round to round.
 //   It starts anew every rate_period rounds, up to five later where few counterexamples are left, with relaxed
-//   weights; after four rounds in a row that no certificate can have; and after every third clean round of another motion, which all give more weight to the
-//   demonstrations. Every second start does not push f outwards at the obstacle. A round after one that was
+//   weights; after four rounds in a row that no certificate can have; and after every third clean round of
+//   another motion, which all give more weight to the demonstrations. Every second start does not push f outwards at the obstacle. A round after one that was
 //   nearly clean refines. Where a clean round's motions follow the demonstrations nearly, up to three rounds
 //   approach them as those of the next stage do.
 // - imitation_finetune: all three networks are trained with more weight on the demonstrations, so that f
