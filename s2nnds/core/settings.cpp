@@ -6,6 +6,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/printable.h"
+#include "s2nnds/core/toml_text.h"
 
 namespace s2nnds {
 namespace {
@@ -15,16 +16,18 @@ std::string trimmed(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
-// A table that holds the value under the key "value".
-toml::table parse_value(const std::string& text) {
+// A table that holds the value of the setting under the key "value".
+toml::table parse_value(const std::string& text, const std::string& setting) {
   try {
     toml::table table = toml::parse("value = " + text);
     if (table.size() == 1) return table;
   } catch (const toml::parse_error&) {  // not TOML, so a string that was given without quotes
   }
-  toml::table table;
-  table.insert_or_assign("value", text);
-  return table;
+  try {
+    return toml::parse("value = " + string_text(text));
+  } catch (const toml::parse_error&) {  // it could not be written down
+    fail("setting \"{}\": expected text in UTF-8", printable(setting, 200));
+  }
 }
 
 // The element of `parent` of that name; a table is made where a table lacks it. Null: there can be none.
@@ -68,7 +71,7 @@ void apply_setting(toml::table& document, const std::string& setting) {
     check(parent != nullptr, "setting \"{}\": there is no {} to set it in", printable(setting, 200),
           printable(key, 200));
   }
-  const toml::table holder = parse_value(trimmed(setting.substr(equals + 1)));
+  const toml::table holder = parse_value(trimmed(setting.substr(equals + 1)), setting);
   const toml::node& value = *holder.get("value");
   if (auto* table = parent->as_table()) {
     value.visit([&](const auto& node) { table->insert_or_assign(name, node); });
@@ -85,8 +88,11 @@ std::string with_settings(const std::string& text, const std::string& source,
   toml::table document = parse_toml(text, source);
   if (settings.empty()) return text;
   for (const std::string& setting : settings) apply_setting(document, setting);
+  // Of texts with line breaks or quotes toml++'s other two notations do not read back to the same.
+  const auto flags = toml::toml_formatter::default_flags & ~(toml::format_flags::allow_literal_strings |
+                                                             toml::format_flags::allow_multi_line_strings);
   std::ostringstream out;
-  out << toml::toml_formatter(document) << '\n';
+  out << toml::toml_formatter(document, flags) << '\n';
   return out.str();
 }
 

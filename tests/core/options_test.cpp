@@ -12,6 +12,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/settings.h"
+#include "s2nnds/core/toml_text.h"
 
 namespace s2nnds {
 namespace {
@@ -414,7 +415,17 @@ TEST(Settings, AValueThatIsNotTomlIsAString) {
   EXPECT_EQ(set("", {"name=1\nseed = 5"}).name, "1\nseed = 5");
 }
 
+// What toml++ writes in its other notations reads back to another text, or not at all.
+TEST(Settings, TextsWithLineBreaksAndQuotesAreKept) {
+  for (const std::string name :
+       {"\nfirst", "\r\n", "a\n'''", "'''\n\\", "\"\n'''b", "\f\"\"\"", "\n \x7f\t"}) {
+    EXPECT_EQ(set("name = " + string_text(name), {"seed=2"}).name, name);
+    EXPECT_EQ(set("", {"name=" + string_text(name)}).name, name);
+  }
+}
+
 TEST(Settings, WhatCannotBeSetIsRefused) {
+  EXPECT_TRUE(set_error("", {"name=\xff"}).ends_with("expected text in UTF-8"));
   EXPECT_EQ(set_error("", {"seed"}), "setting \"seed\": expected key=value");
   EXPECT_EQ(set_error("", {"a..b=1"}), "setting \"a..b=1\": expected a dotted key before \"=\"");
   EXPECT_EQ(set_error("", {"=1"}), "setting \"=1\": expected a dotted key before \"=\"");
