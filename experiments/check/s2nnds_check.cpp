@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// s2nnds-check FILE [POLICY ...]: checks the certificate of a run file, or of the proof that `verify --artifact` wrote,
-// with no code of the program that made it.
+// s2nnds-check FILE [POLICY ...]: checks a run's or a written proof's certificate with no code of what made it.
 #include <arb.h>
 #include <arb_mat.h>
 #include <hdf5.h>
@@ -25,8 +24,7 @@ using std::fabs, std::max, std::min, std::size_t, std::string;
 using Numbers = std::vector<double>;
 [[noreturn]] void fail(const string& found) { throw std::runtime_error("found " + found); }
 constexpr slong bits = 53;
-// All bounds are made by Arb: a ball is a number that is known up to a radius, and each operation's ball holds the
-// result of every number in its operands' balls.
+// All bounds are made by Arb: an operation's ball holds the result of every number in its operands' balls.
 class Ball {
  public:
   Ball(double x = 0.0) { arb_init(ball), arb_set_d(ball, x); }  // exact
@@ -52,10 +50,8 @@ Ball operator-(Ball a) { return arb_neg(a.ball, a.ball), a; }
 Ball hull(const Ball& a, const Ball& b) { return made_by<arb_union>(a, b); }
 Ball least(const Ball& a, const Ball& b) { return made_by<arb_min>(a, b); }
 Ball greatest(const Ball& a, const Ball& b) { return made_by<arb_max>(a, b); }
-bool is_below(const Ball& a, const Ball& b) { return arb_lt(a.ball, b.ball) != 0; }
+bool is_at_most(const Ball& a, const Ball& b) { return arb_le(a.ball, b.ball) != 0; }
 Ball tanh(Ball a) { return arb_tanh(a.ball, a.ball, bits), a; }
-Ball sine(Ball a) { return arb_sin(a.ball, a.ball, bits), a; }
-Ball cosine(Ball a) { return arb_cos(a.ball, a.ball, bits), a; }
 const Ball zero, one(1.0), two(2.0), half(0.5);
 // start + sum_k a_k b_k over `count` balls, of b every `stride`-th.
 Ball dot(const Ball& start, const Ball* a, const Ball* b, size_t count, size_t stride = 1) {
@@ -97,6 +93,7 @@ class Functions {
  public:
   Functions(const Place& place, size_t order, size_t count)
       : place_(&place), order_(order), balls_(count * columns()) {}
+  const Place& place() const { return *place_; }
   size_t columns() const { return order_ == 1 ? 1 + n() : 1 + n() + n() * n(); }
   Ball* at(size_t k) { return &balls_[k * columns()]; }
   const Ball* at(size_t k) const { return &balls_[k * columns()]; }
@@ -186,9 +183,9 @@ Functions squared_norm(const Network& network, const Place& place) {
   return v;
 }
 // grad w . f on the box, w of order 2: its gradient there is hess w f + (grad f)' grad w.
-Ball rate_range(const Functions& w, const Network& f, const Place& place) {
-  const size_t n = place.n();
-  const Functions field = apply(f, place, 1);
+Ball rate_range(const Functions& w, const Network& f) {
+  const size_t n = f.inputs();
+  const Functions field = apply(f, w.place(), 1);
   const Balls gradient = w.gradient_over(0);
   Ball rate;
   Balls slope(n);
@@ -271,140 +268,9 @@ Numbers list(const toml::table& table, const char* key) {
 double scalar(const toml::table& table, const char* key) {
   return table[key].is_number() ? *table[key].value<double>() : (fail(string("no number ") + key), NAN);
 }
-using Point = std::array<Ball, 3>;
-// A frame of an arm as seen from its base.
-struct ArmFrame {
-  std::array<Ball, 9> axes{one, zero, zero, zero, one, zero, zero, zero, one};  // [3 i + j]: of axis j
-  Point origin;
-  void turn(size_t axis, const Ball& angle) {  // towards the next axis
-    const Ball c = cosine(angle), s = sine(angle);
-    for (size_t i = axis; i < 9; i += 3) {
-      const Ball before = axes[i];
-      axes[i] = c * before + s * axes[i + 1];
-      axes[i + 1] = c * axes[i + 1] - s * before;
-    }
-  }
-  Point at(const Balls& x) const {
-    Point place;
-    for (size_t i = 0; i < 3; ++i) place[i] = dot(origin[i], &axes[3 * i], x.data(), 3);
-    return place;
-  }
-};
-// A capsule between points of two frames, held by parts + 1 balls of radius `reach` along its axis.
-struct ArmBody {
-  size_t from, to;  // frames
-  Balls start, end;
-  int parts;
-  Ball reach;
-};
-ArmBody make_body(size_t from, size_t to, const Balls& start, const Balls& end, double length,
-                  Ball squared_length, double radius) {
-  if (!(radius > 0.0 && radius < INFINITY)) fail("a body whose radius is not positive");
-  const double parts = std::min(std::ceil(length / (0.4 * radius)), 200.0);
-  if (!(parts >= 0.0)) fail("a body that is not finite");
-  Ball gap = parts > 0.0 ? squared_length / Ball(4.0 * parts * parts) : zero;
-  Ball reach = Ball(radius) * Ball(radius) + gap;
-  arb_sqrt(reach.ball, reach.ball, bits);
-  return {from, to, start, end, static_cast<int>(parts), reach};
-}
-std::vector<Numbers> rows(const toml::table& table, const char* key, size_t columns) {
-  std::vector<Numbers> found;
-  for (const toml::node& row : need<toml::array>(table, key)) {
-    found.emplace_back();
-    if (const toml::array* numbers = row.as_array())
-      for (const toml::node& node : *numbers) found.back().push_back(node.value<double>().value());
-    if (found.back().size() != columns) fail(string("a row of ") + key + " of another length");
-  }
-  return found;
-}
-std::vector<ArmFrame> arm_frames(const std::vector<Numbers>& dh, bool modified, const Ball& unit,
-                                 const Balls& q) {
-  std::vector<ArmFrame> frames(1);
-  for (size_t i = 0; i < dh.size(); ++i) {
-    ArmFrame frame = frames.back();
-    const Ball angle = unit * q[i] + Ball(dh[i][3]);
-    if (!modified) frame.turn(0, angle);
-    frame.origin = frame.at({modified ? Ball(dh[i][0]) : zero, zero, modified ? zero : Ball(dh[i][2])});
-    if (modified && dh[i][1] != 0.0) frame.turn(1, dh[i][1]);
-    frame.origin = frame.at({modified ? zero : Ball(dh[i][0]), zero, modified ? Ball(dh[i][2]) : zero});
-    if (!modified && dh[i][1] != 0.0) frame.turn(1, dh[i][1]);
-    if (modified) frame.turn(0, angle);
-    frames.push_back(frame);
-  }
-  return frames;
-}
-// The joint angles at which a capsule of an arm meets a ball. Level: the least squared distance less the squared radii.
-Region read_arm(const toml::table& table, size_t n) {
-  for (const char* key : {"base", "rotation"})
-    if (!need<toml::array>(table, key).empty())
-      fail(string("an arm with ") + key + ", which this program cannot check");
-  if (table["inflate"].value_or(0.0) != 0.0) fail("an arm with inflate, which this program cannot check");
-  const std::vector<Numbers> dh = rows(table, "dh", 4);
-  const string convention = table["convention"].value_or(string()),
-               joint_unit = table["joint_unit"].value_or(string());
-  const bool modified = convention == "modified";
-  if (dh.size() != n || (!modified && convention != "standard") ||
-      (joint_unit != "rad" && joint_unit != "deg"))
-    fail("an arm that is none of n joints");
-  std::vector<ArmBody> bodies;
-  const double radius = scalar(table, "radius");
-  for (size_t i = 0; radius > 0.0 && i < n; ++i)
-    bodies.push_back(make_body(i, i + 1, Balls(3), Balls(3), std::hypot(dh[i][0], dh[i][2]),
-                               Ball(dh[i][0]) * Ball(dh[i][0]) + Ball(dh[i][2]) * Ball(dh[i][2]), radius));
-  const auto add = [&](double on, const Numbers& start, const Numbers& end, double thickness) {
-    Ball squared;
-    double length = 0.0;
-    for (size_t d = 0; d < 3; ++d) {
-      const Ball along = Ball(end[d]) - Ball(start[d]);
-      squared = squared + along * along, length = std::hypot(length, end[d] - start[d]);
-    }
-    if (!(on >= 0.0 && on <= static_cast<double>(n))) fail("a body on no frame");
-    const auto frame = static_cast<size_t>(on);
-    bodies.push_back(make_body(frame, frame, {start[0], start[1], start[2]}, {end[0], end[1], end[2]}, length,
-                               squared, thickness));
-  };
-  const Numbers tip = list(table, "tip");
-  if (radius > 0.0 && tip.size() == 3) add(static_cast<double>(n), Numbers(3), tip, radius);
-  for (const Numbers& row : rows(table, "spheres", 5))
-    add(row[0], {row[1], row[2], row[3]}, {row[1], row[2], row[3]}, row[4]);
-  for (const Numbers& row : rows(table, "capsules", 8))
-    add(row[0], {row[1], row[2], row[3]}, {row[4], row[5], row[6]}, row[7]);
-  std::vector<std::pair<Numbers, Ball>> obstacles;  // centers and radii
-  for (const toml::node& node : need<toml::array>(table, "obstacles")) {
-    const toml::table& one_of = *node.as_table();
-    if (one_of["type"].value_or(string()) != "ball")
-      fail("an arm's obstacle that is no ball, which this program cannot check");
-    obstacles.emplace_back(list(one_of, "center"),
-                           Ball(scalar(one_of, "radius")) + Ball(scalar(one_of, "inflate")));
-    if (obstacles.back().first.size() != 3) fail("no 3 numbers center");
-  }
-  if (bodies.empty() || obstacles.empty()) fail("an arm without bodies or obstacles");
-  Ball unit = one;
-  if (joint_unit == "deg") arb_const_pi(unit.ball, bits), unit = unit / Ball(180.0);
-  const auto level = [=](const Balls& q) {
-    const std::vector<ArmFrame> frames = arm_frames(dh, modified, unit, q);
-    Ball nearest(1e300);
-    for (const ArmBody& body : bodies) {
-      const Point start = frames[body.from].at(body.start), end = frames[body.to].at(body.end);
-      for (int k = 0; k <= body.parts; ++k) {
-        const Ball share = body.parts > 0 ? Ball(k) / Ball(body.parts) : zero;
-        for (const auto& [center, size] : obstacles) {
-          Balls apart;
-          for (size_t d = 0; d < 3; ++d)
-            apart.push_back((one - share) * start[d] + share * end[d] - Ball(center[d]));
-          const Ball touching = body.reach + size;
-          nearest = least(nearest, dot(-(touching * touching), apart.data(), apart.data(), 3));
-        }
-      }
-    }
-    return nearest;
-  };
-  return {level, Balls(n, -INFINITY), Balls(n, INFINITY)};
-}
 // From its TOML table. Throws on what this program does not know.
 Region read_region(const toml::table& table, size_t n) {
   const string type = table["type"].value_or(string("none"));
-  if (type == "arm") return read_arm(table, n);
   const string known = " type inflate center radius semi_axes lower upper normal offset of level from to ";
   for (const auto& [name, value] : table) {
     const string key(name.str());
@@ -443,17 +309,14 @@ Region read_region(const toml::table& table, size_t n) {
     std::erase(whole.rest, ' ');
     region.level = whole.chain(true);
     if (!whole.rest.empty()) fail("no expression at " + whole.rest);
-  } else if (type == "extrusion") {  // of one in a dimension less, between two values of the last coordinate
-    const toml::array& of = need<toml::array>(table, "of");
-    if (n < 2 || of.size() != 1 || !of[0].is_table()) fail("an extrusion of something else than one region");
-    const Region base = read_region(*of[0].as_table(), n - 1);
-    const double from = scalar(table, "from"), to = scalar(table, "to");
-    std::copy(base.lower.begin(), base.lower.end(), region.lower.begin());
-    std::copy(base.upper.begin(), base.upper.end(), region.upper.begin());
-    region.lower[n - 1] = from, region.upper[n - 1] = to;
-    region.level = [=](const Balls& x) {
-      const Ball level = base.level({x.begin(), x.end() - 1});
-      return greatest(level, greatest(Ball(from) - x.back(), x.back() - Ball(to)));
+  } else if (type == "extrusion") {  // of a region of n - 1 coordinates, to from <= x_n <= to
+    const toml::table* of = table["of"][0].as_table();
+    if (n < 2 || of == nullptr || table["of"][1]) fail("an extrusion of something else than one region");
+    region = read_region(*of, n - 1);
+    region.lower.emplace_back(scalar(table, "from")), region.upper.emplace_back(scalar(table, "to"));
+    region.level = [base = region.level, from = region.lower[n - 1],
+                    to = region.upper[n - 1]](const Balls& x) {
+      return greatest(base({x.begin(), x.end() - 1}), greatest(from - x.back(), x.back() - to));
     };
   } else if (type == "halfspace") {
     const Numbers normal = numbers("normal");
@@ -649,7 +512,7 @@ bool carries_weights(const string& policy, const Claim& claim) {
     for (const Numbers& line : lines) from = bytes.find(image(line, single), from);
     return from != bytes.npos;
   };
-  const auto holds_network = [&](const Network& network, bool single) {
+  const auto is_held = [&](const Network& network, bool single) {
     return std::all_of(network.layers.begin(), network.layers.end(), [&](const Layer& layer) {
       std::vector<Numbers> columns(layer.weight[0].size());
       for (const Numbers& line : layer.weight)
@@ -657,10 +520,10 @@ bool carries_weights(const string& policy, const Claim& claim) {
       return holds({layer.bias}, single) && (holds(layer.weight, single) || holds(columns, single));
     });
   };
-  bool all = true;
-  for (const Network* network : {&claim.f, &claim.V, &claim.B})
-    all = all && (holds_network(*network, false) || holds_network(*network, true));
-  return all;
+  const auto carried = [&](const Network& network) {
+    return is_held(network, false) || is_held(network, true);
+  };
+  return carried(claim.f) && carried(claim.V) && carried(claim.B);
 }
 // Two boxes that share a face, so that no point is lost: halves along the widest side (the first of several), of `width`.
 std::array<Box, 2> halves(const Box& box, double& width) {
@@ -672,8 +535,7 @@ std::array<Box, 2> halves(const Box& box, double& width) {
   parts[0].upper[axis] = parts[1].lower[axis] = 0.5 * box.lower[axis] + 0.5 * box.upper[axis];
   return parts;
 }
-// Boxes that cover the workspace, for containment its faces too: those that the file's bisections end with, or it throws;
-// without such, the workspace. What a bisection's end says is not used.
+// Boxes that cover the workspace, for containment its faces too: the ends of the file's bisections if it has any.
 std::vector<Box> starting_boxes(const Claim& claim, size_t condition) {
   std::vector<Box> open = {claim.workspace}, ends;
   if (claim.cover.empty()) return open;
@@ -706,12 +568,11 @@ std::vector<Box> starting_boxes(const Claim& claim, size_t condition) {
 Box cover(std::vector<Box> open, const std::function<Ball(const Box&)>& enclose, long& boxes) {
   for (double width = 1.0; !open.empty(); ++boxes) {
     const Box box = open.back();
-    const size_t last = open.size() - 1;
+    open.pop_back();
     const Ball found = enclose(box);
-    if (found.is_negative()) {
-      open.pop_back();
-      continue;
-    }
+    if (found.is_negative()) continue;
+    const size_t last = open.size();
+    open.push_back(box);
     // Where the radius is large, one bisection would not do: one for each axis.
     const bool large =
         mag_get_d(arb_radref(found.ball)) > -2.0 * arf_get_d(arb_midref(found.ball), ARF_RND_NEAR);
@@ -790,10 +651,7 @@ bool run(const string& path, const std::vector<string>& policies) {
   const auto level = [&](const Box& box) { return apply(B, Place(box), 2).value_over(0); };
   const Ball shown(-1.0);
   const std::function<Ball(const Box&)> negative[] = {
-      [&](const Box& box) {
-        const Place place(box);
-        return within(box, around) ? shown : rate_range(squared_norm(V, place), f, place);
-      },
+      [&](const Box& x) { return within(x, around) ? shown : rate_range(squared_norm(V, Place(x)), f); },
       [&](const Box& box) { return misses(claim, claim.initial, box) ? shown : level(box); },
       [&](const Box& box) { return misses(claim, claim.unsafe, box) ? shown : -level(box); },
       [&](const Box& box) { return within(box, claim.inner) ? shown : -level(box); },
@@ -801,7 +659,7 @@ bool run(const string& path, const std::vector<string>& policies) {
         const Place place(box);
         const Functions u = apply(B, place, 2);
         const Ball b = u.value_over(0);
-        return is_below(band, b) || is_below(b, -band) ? shown : rate_range(u, f, place);
+        return (b - band).is_positive() || (b + band).is_negative() ? shown : rate_range(u, f);
       }};
   std::array<long, std::size(conditions)> boxes{};
   std::array<std::future<Box>, std::size(conditions)> open;
@@ -814,11 +672,9 @@ bool run(const string& path, const std::vector<string>& policies) {
   }
   say("B(0) <= 0", arb_is_nonpositive(level({origin, origin}).ball) != 0);
   bool inside = true;
-  for (size_t d = 0; d < origin.size(); ++d) {
-    const Region& x = claim.initial;
-    inside = inside && arb_le(placed(claim, d, claim.workspace.lower[d]).ball, x.lower[d].ball) != 0 &&
-             arb_le(x.upper[d].ball, placed(claim, d, claim.workspace.upper[d]).ball) != 0;
-  }
+  for (size_t d = 0; d < origin.size(); ++d)
+    inside = inside && is_at_most(placed(claim, d, claim.workspace.lower[d]), claim.initial.lower[d]) &&
+             is_at_most(claim.initial.upper[d], placed(claim, d, claim.workspace.upper[d]));
   say("the initial set lies in the workspace", inside);
   if (all)
     std::puts(
@@ -829,7 +685,6 @@ bool run(const string& path, const std::vector<string>& policies) {
   for (const string& policy : policies) say("weights in " + policy, carries_weights(policy, claim));
   return all;
 }
-
 }  // namespace
 
 int main(int argc, char** argv) {
