@@ -30,11 +30,12 @@ struct LoadedMotion {
   static constexpr int dimension = n;
   static inline double execution_speed = 1.0, disturbance_margin = 0.0;
   static inline const Policy* policy = nullptr;
-  static inline std::optional<Evaluator> f, B;
+  static inline std::optional<BasicDynamicsEvaluator<double>> f;
+  static inline std::optional<Evaluator> B;
 
   static void load(const Policy& loaded) {
     policy = &loaded;
-    f.emplace(loaded.networks.f);
+    f.emplace(loaded.networks);
     B.emplace(loaded.networks.B);
     execution_speed = loaded.info.execution_speed;
     disturbance_margin = loaded.info.disturbance_margin;

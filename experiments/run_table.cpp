@@ -168,9 +168,9 @@ Table table_of_robustness(const std::vector<Run>& runs) {
     const PreparedRun setup = prepare(record);
     std::optional<StateFunction> B;
     if (certified.guaranteed()) B = record.networks.B;
-    const auto ours = measure_robustness(record.networks.f, B, setup.problem, setup.demonstrations, 0);
+    const auto ours = measure_robustness(record.networks.dynamics(), B, setup.problem, setup.demonstrations, 0);
     const auto theirs =
-        measure_robustness(free->record().networks.f, {}, setup.problem, setup.demonstrations, 0);
+        measure_robustness(free->record().networks.dynamics(), {}, setup.problem, setup.demonstrations, 0);
     for (std::size_t k = 0; k < ours.size(); ++k) {
       const auto cell = [](double value) { return number_cell(value, "{:.3f}"); };
       table.rows.push_back(

@@ -47,7 +47,7 @@ using nlohmann::ordered_json;
 // The errors of each demonstration of a split, one line each; the same for --json.
 ordered_json report_demonstrations(const PreparedRun& setup, const RunRecord& record,
                                    const std::string& split) {
-  const NetworkWeights& f = record.networks.f;
+  const Dynamics f = record.networks.dynamics();
   const UserUnits units(record);
   const std::vector<std::int64_t>& members = split == "train"  ? setup.data.split.train
                                              : split == "test" ? setup.data.split.test
@@ -103,7 +103,7 @@ int exit_code(Method method, const PreparedRun& setup, const RunRecord& record) 
 
 // The same of a motion that follows the demonstrations: what a training is for.
 int exit_code_of_training(const PreparedRun& setup, const RunRecord& record) {
-  return follows_demonstrations(record) ? exit_code(setup.config.verification.method, setup, record)
+  return follows_demonstrations(record) ? exit_code(*setup.config.verification.method, setup, record)
                                         : kNotVerified;
 }
 
@@ -147,7 +147,11 @@ TrainingStart start_from_config(const TrainArguments& arguments, const std::stri
   const Config config = parse_config(text, arguments.config, assignments);
   start.path = arguments.out.empty() ? fmt::format("{}-seed{}.h5", config.name, config.seed) : arguments.out;
   check_writable(start.path);
-  start.setup = prepare(config, read_and_report(config.data, data), RegionFiles(data));
+  DemonstrationSet as_read = read_and_report(config.data, data);
+  const auto told = std::ssize(as_read.report);
+  start.setup = prepare(config, std::move(as_read), RegionFiles(data));
+  for (auto k = told; k < std::ssize(start.setup.data.report); ++k)
+    spdlog::info("{}", start.setup.data.report[static_cast<std::size_t>(k)]);
   start.record = new_record(start.setup, with_settings(text, arguments.config, assignments));
   return start;
 }

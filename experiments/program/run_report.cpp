@@ -220,6 +220,12 @@ std::string orientation(const RunRecord& record) {
   return text.empty() ? "" : paragraph(text);
 }
 
+// The same of all motions, from anywhere.
+std::string stability(const RunRecord& record) {
+  const std::string text = stability_sentence(record);
+  return text.empty() ? "" : paragraph(text);
+}
+
 std::string remarks(const RunRecord& record) {
   std::string text;
   for (const std::string& remark : record.remarks) text += paragraph(remark);
@@ -232,8 +238,10 @@ std::string first_screen(const RunRecord& record, const std::string& path) {
   std::string guarantee(to_string(record.certificate.guarantee));
   for (char& letter : guarantee) letter = static_cast<char>(std::toupper(letter));
   const RunData& data = record.data;
-  return fmt::format("{} (seed {}): guarantee {}\n", record.name, record.seed, guarantee) +
-         paragraph(guarantee_sentence(record)) + orientation(record) + remarks(record) + "\n" +
+  return fmt::format("{} (seed {}): guarantee {}{}\n", record.name, record.seed, guarantee,
+                     record.certificate.stability.proved ? ", stability PROVED" : "") +
+         stability(record) + paragraph(guarantee_sentence(record)) + orientation(record) + remarks(record) +
+         "\n" +
          row("data", fmt::format("{} demonstrations in {} dimensions: {} train, {} test, {} validation",
                                  data.demonstrations.size(), data.dimension, data.split.train.size(),
                                  data.split.test.size(), data.split.validation.size())) +

@@ -21,6 +21,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Beta is split over the trials before any data are read, so what the dimension would choose may not be conformal.
+std::vector<std::string> settings_of(const Sweep& sweep, const Trial& trial) {
+  std::vector<std::string> settings = sweep.settings(trial);
+  const BaseConfig& base = sweep.configs[static_cast<std::size_t>(trial.config)];
+  if (!parse_config(base.text, base.path, settings).verification.method)
+    settings.push_back("verification.method=\"proof\"");
+  return settings;
+}
+
 // Begins the trial where the rung before ended its run of the same configuration with fewer rounds. Trained
 // further, it is the run that it would be from the start, since a round depends only on the rounds before it.
 void take_over(const Sweep& sweep, const SweepFolder& folder, const Trial& trial,
@@ -31,7 +40,7 @@ void take_over(const Sweep& sweep, const SweepFolder& folder, const Trial& trial
   const std::string config = folder.config(sweep.configs[trial.config]);
   RunRecord old = load_run(earlier);
   check(old.checkpoint.has_value(), "{}: found no checkpoint, expected one to go on from", earlier);
-  const std::string text = with_settings(read_config_text(config), config, sweep.settings(trial));
+  const std::string text = with_settings(read_config_text(config), config, settings_of(sweep, trial));
   RunRecord record = new_record(prepare(parse_config(text, config), data_directory(common.data)), text);
   record.networks = std::move(old.networks);
   record.history = std::move(old.history);
@@ -49,7 +58,7 @@ int train_trial(const Sweep& sweep, const SweepFolder& folder, const Trial& tria
     arguments.resume = run;
   } else {
     arguments.config = folder.config(sweep.configs[trial.config]);
-    arguments.assignments = sweep.settings(trial);
+    arguments.assignments = settings_of(sweep, trial);
     arguments.out = run;
   }
   return train(arguments, common);

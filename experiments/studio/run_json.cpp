@@ -175,6 +175,9 @@ ordered_json open_boxes_json(const RunRecord& record) {
 }  // namespace
 
 ordered_json run_json(const RunRecord& record) {
+  check(!record.networks.is_projected(),
+        "{}: found a projected f, which the page does not know; expected networks.f.form = plain",
+        record.name);
   const PreparedRun setup = prepare(record);
   const Frame& frame = record.data.frame;
   const EvaluationSummary& e = record.evaluation;

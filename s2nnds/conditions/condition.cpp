@@ -7,7 +7,7 @@
 #include "s2nnds/conditions/worst_perturbation.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
-#include "s2nnds/networks/evaluator.h"
+#include "s2nnds/networks/dynamics.h"
 
 namespace s2nnds {
 namespace {
@@ -65,6 +65,7 @@ void add_work(const ExecutionModel& model, const BasicEvaluator<T>& function, co
 template <typename T>
 Ingredients evaluate_all(const Networks& networks, double level_band, const Points& x,
                          const ExecutionDemand& demand) {
+  const BasicDynamicsEvaluator<T> dynamics(networks);
   const BasicEvaluator<T> f(networks.f), V(networks.V), B(networks.B);
   Ingredients found;
   for (Vector* column :
@@ -72,7 +73,7 @@ Ingredients evaluate_all(const Networks& networks, double level_band, const Poin
     column->resize(x.rows());
   parallel_for((x.rows() + kRowsTogether - 1) / kRowsTogether, [&](Eigen::Index part, int) {
     const Eigen::Index first = part * kRowsTogether, rows = std::min(kRowsTogether, x.rows() - first);
-    const Points at = x.middleRows(first, rows), velocity = f.value(at);
+    const Points at = x.middleRows(first, rows), velocity = dynamics.value(at);
     Points value, derivative;
     V.value_and_derivative(at, velocity, value, derivative);
     found.lyapunov.segment(first, rows) = value.col(0);
@@ -104,7 +105,7 @@ Ingredients evaluate_for(Condition condition, const Networks& networks, const Po
       found.lyapunov = networks.V.value(x).col(0);
       break;
     case Condition::lyapunov_decrease:
-      networks.V.value_and_derivative(x, networks.f.value(x), value, derivative);
+      networks.V.value_and_derivative(x, networks.velocity(x), value, derivative);
       found.lyapunov_derivative = derivative.col(0);
       break;
     case Condition::initial:
@@ -113,7 +114,7 @@ Ingredients evaluate_for(Condition condition, const Networks& networks, const Po
       found.barrier = networks.B.value(x).col(0);
       break;
     case Condition::barrier_decrease:
-      networks.B.value_and_derivative(x, networks.f.value(x), value, derivative);
+      networks.B.value_and_derivative(x, networks.velocity(x), value, derivative);
       found.barrier = value.col(0);
       found.barrier_derivative = derivative.col(0);
       break;

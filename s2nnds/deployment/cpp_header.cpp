@@ -81,10 +81,13 @@ class NetworkSource {
     write_head();
   }
 
-  // NAME_gradient(x, gradient) of a scalar network whose head has the layers' slope.
+  // NAME_gradient(x, gradient) of a scalar network whose head has the layers' slope; of a diffeomorphism
+  // NAME_gradient(x, gradient, value).
   void write_gradient() {
     const auto last = stack_.layers.size() - 1;
-    put(text_, "inline void {}_gradient(const double* x, double* gradient) noexcept {{\n", name_);
+    const bool diffeomorphism = stack_.head == Head::diffeomorphism;
+    put(text_, "inline void {}_gradient(const double* x, double* gradient{}) noexcept {{\n", name_,
+        diffeomorphism ? ", double& value" : "");
     for (std::size_t k = 0; k <= last; ++k) {
       const Eigen::Index out = padded(stack_.layers[k].weight.rows());
       put(text_, "  alignas(64) double z{0}[{1}], a{0}[{1}], slope{0}[{1}], adjoint{0}[{1}] = {{}};\n", k,
@@ -93,7 +96,20 @@ class NetworkSource {
       put(text_, "  activate_with_slopes<{0}, {1}>(z{2}, a{2}, slope{2});\n",
           functor(stack_.layers[k].activation), out, k);
     }
-    put(text_, "  adjoint{}[0] = 1.0;\n", last);
+    if (diffeomorphism) {
+      put(text_,
+          "  static const {0}_at_origin origin;\n"
+          "  double phi[{1}];\n"
+          "  value = 0;\n"
+          "  for (int i = 0; i < {1}; ++i) {{\n"
+          "    phi[i] = a{2}[i] - origin.y[i] + x[i];\n"
+          "    value += phi[i] * phi[i];\n"
+          "    adjoint{2}[i] = 2 * phi[i];\n"
+          "  }}\n",
+          name_, stack_.input_dimension(), last);
+    } else {
+      put(text_, "  adjoint{}[0] = 1.0;\n", last);
+    }
     for (std::size_t k = last + 1; k-- > 0;) {
       const Points& weight = stack_.layers[k].weight;
       put(text_, "  for (int i = 0; i < {}; ++i) adjoint{}[i] *= slope{}[i];\n", weight.rows(), k, k);
@@ -103,6 +119,8 @@ class NetworkSource {
           is_narrow(k) ? "pull_back_narrow" : "pull_back", is_narrow(k) ? padded(in) : in,
           is_narrow(k) ? out : padded(out), name_, k, k, to);
     }
+    if (diffeomorphism)
+      put(text_, "  for (int i = 0; i < {}; ++i) gradient[i] += 2 * phi[i];\n", stack_.input_dimension());
     put(text_, "}}\n\n");
   }
 
@@ -237,7 +255,12 @@ class NetworkSource {
           "  for (int i = 0; i < {1}; ++i) raw[i] -= origin.y[i];\n",
           name_, m);
     }
-    if (stack_.head == Head::squared_norm) {
+    if (stack_.head == Head::diffeomorphism) {
+      put(text_,
+          "  y[0] = 0;\n"
+          "  for (int i = 0; i < {0}; ++i) y[0] += (raw[i] + x[i]) * (raw[i] + x[i]);\n",
+          m);
+    } else if (stack_.head == Head::squared_norm) {
       put(text_,
           "  {0} features = 0, distance = 0;\n"
           "  for (int i = 0; i < {1}; ++i) features += raw[i] * raw[i];\n"
@@ -334,8 +357,7 @@ struct Normalised {{  // the networks' argument of the position x
 inline void velocity(const double* x, double* v) noexcept {{
   {0} y[dimension];
   detail::f(detail::Normalised<{0}>(x).z, y);
-  for (int i = 0; i < dimension; ++i) v[i] = static_cast<double>(y[i]) * velocity_scale;
-}}
+{1}}}
 
 // The Lyapunov function at the position x [dimension]: it falls along motions, to 0 at the goal.
 inline double lyapunov(const double* x) noexcept {{
@@ -363,6 +385,22 @@ inline bool in_workspace(const double* x) noexcept {{
 // the workspace. False for NaN.
 inline bool safe(const double* x) noexcept {{ return in_workspace(x) && barrier(x) <= -barrier_float64_error; }}
 
+)";
+
+// The end of velocity(): of f itself, and of a projected f, {} its decay in normalised units.
+constexpr const char* kVelocity =
+    "  for (int i = 0; i < dimension; ++i) v[i] = static_cast<double>(y[i]) * velocity_scale;\n";
+constexpr const char* kProjectedVelocity =
+    R"(  // Projected on the velocities along which the Lyapunov function falls at least as fast as exp(-decay t).
+  double gradient[dimension], value = 0, rate = 0, square = 0;
+  detail::V_gradient(detail::Normalised<double>(x).z, gradient, value);
+  for (int i = 0; i < dimension; ++i) {{
+    rate += gradient[i] * static_cast<double>(y[i]);
+    square += gradient[i] * gradient[i];
+  }}
+  const double excess = rate + {} * value;
+  const double share = excess <= 0 ? 0 : excess / std::fmax(square, DBL_MIN);
+  for (int i = 0; i < dimension; ++i) v[i] = (static_cast<double>(y[i]) - share * gradient[i]) * velocity_scale;
 )";
 
 constexpr const char* kShield =
@@ -572,7 +610,10 @@ std::string cpp_header(const Policy& policy, HeaderPrecision precision, const st
   }
   const bool shielded = policy.info.shielded == 1;
   if (shielded) NetworkSource(text, "B", policy.networks.B, false).write_gradient();
-  put(text, kInterface, single ? "float" : "double");
+  const bool projected = policy.networks.is_projected();
+  if (projected) NetworkSource(text, "V", policy.networks.V, false).write_gradient();
+  put(text, kInterface, single ? "float" : "double",
+      projected ? fmt::format(kProjectedVelocity, literal(policy.networks.decay, false)) : kVelocity);
   if (policy.orientation) write_orientation(text, policy.info);
   if (shielded) put(text, "{}", kShield);
   if (policy.info.phase_start > 0.0)

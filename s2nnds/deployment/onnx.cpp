@@ -6,6 +6,7 @@
 #include <onnx/onnx_pb.h>
 
 #include <cstdint>
+#include <limits>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/orientation.h"
@@ -118,7 +119,7 @@ std::string activate(GraphBuilder& graph, Activation activation, const std::stri
   fail("activation: found the unknown value {}", static_cast<int>(activation));
 }
 
-// y(z) for normalised z [N, n]: [N, m], or [N] for squared_norm.
+// y(z) for normalised z [N, n]: [N, m], or [N] for sums of squares.
 std::string add_network(GraphBuilder& graph, const NetworkWeights& stack, const std::string& z) {
   check_fits_float(stack);
   std::string a = z;
@@ -136,11 +137,51 @@ std::string add_network(GraphBuilder& graph, const NetworkWeights& stack, const 
   const auto sum_of_squares = [&](const std::string& v) {
     return graph.node("ReduceSum", {graph.node("Mul", {v, v}), graph.axis_one()}, {{"keepdims", 0}});
   };
+  if (stack.head == Head::diffeomorphism) return sum_of_squares(graph.node("Add", {a, z}));
   if (stack.head == Head::squared_norm) {
     return graph.node(
         "Add", {sum_of_squares(a), graph.node("Mul", {graph.constant(stack.quadratic), sum_of_squares(z)})});
   }
   return a;
+}
+
+// The velocity [N, n] that is nearest to f [N, n] and along which V falls fast enough (project_velocity), at the
+// normalised positions z [N, n]; all double.
+std::string add_projection(GraphBuilder& graph, const Networks& networks, const std::string& z,
+                           const std::string& f) {
+  const auto node = [&](const char* type, const std::string& a, const std::string& b) {
+    return graph.node(type, {a, b});
+  };
+  const auto number = [&](double value) { return graph.constant_double(std::vector<double>{value}); };
+  const auto sum = [&](const std::string& rows) {
+    return graph.node("ReduceSum", {rows, graph.axis_one()}, {{"keepdims", 1}});
+  };
+  std::string a = z;
+  std::vector<std::string> slopes;  // of each layer, "" of an identity
+  for (const Layer& layer : networks.V.layers) {
+    a = node("MatMul", a, graph.constant_double(Points(layer.weight.transpose())));
+    if (layer.bias.size() > 0)
+      a = node("Add", a, graph.constant_double(std::vector<double>(layer.bias.begin(), layer.bias.end())));
+    slopes.emplace_back();
+    if (layer.activation == Activation::identity) continue;
+    check(layer.activation == Activation::tanh,
+          "onnx: found a projected f whose V has the activation {}, expected tanh",
+          to_string(layer.activation));
+    a = graph.node("Tanh", {a});
+    slopes.back() = node("Sub", number(1.0), node("Mul", a, a));
+  }
+  const std::string phi = node("Add", z, node("Sub", a, graph.constant_double(layers_at_origin(networks.V))));
+  std::string pulled = phi;
+  for (std::size_t k = slopes.size(); k-- > 0;) {
+    if (!slopes[k].empty()) pulled = node("Mul", pulled, slopes[k]);
+    pulled = node("MatMul", pulled, graph.constant_double(networks.V.layers[k].weight));
+  }
+  const std::string gradient = node("Mul", number(2.0), node("Add", phi, pulled));
+  const std::string needed = node("Mul", number(networks.decay), sum(node("Mul", phi, phi)));
+  const std::string excess = graph.node("Relu", {node("Add", sum(node("Mul", gradient, f)), needed)});
+  const std::string square =
+      node("Max", sum(node("Mul", gradient, gradient)), number(std::numeric_limits<double>::min()));
+  return node("Sub", f, node("Mul", node("Div", excess, square), gradient));
 }
 
 void describe(onnx::ValueInfoProto& value, const std::string& name, std::int64_t columns,
@@ -280,7 +321,8 @@ std::string onnx_model(const Policy& policy) {
   const std::string scaled =
       builder.node("Div", {from_goal, builder.constant_double(std::vector<double>{info.position_scale})});
   const std::string z = cast(scaled, onnx::TensorProto::FLOAT);
-  const std::string f = cast(add_network(builder, policy.networks.f, z), onnx::TensorProto::DOUBLE);
+  std::string f = cast(add_network(builder, policy.networks.f, z), onnx::TensorProto::DOUBLE);
+  if (policy.networks.is_projected()) f = add_projection(builder, policy.networks, scaled, f);
   builder.node("Mul", {f, builder.constant_double(std::vector<double>{info.velocity_scale})}, {}, "velocity");
   if (policy.orientation) {
     const std::string dz =
@@ -290,7 +332,7 @@ std::string onnx_model(const Policy& policy) {
   for (const auto& [stack, name] :
        {std::pair(&policy.networks.V, "lyapunov"), std::pair(&policy.networks.B, "barrier")}) {
     std::string y = add_network(builder, *stack, z);
-    if (stack->head != Head::squared_norm) y = builder.node("Squeeze", {y, builder.axis_one()});
+    if (!is_sum_of_squares(stack->head)) y = builder.node("Squeeze", {y, builder.axis_one()});
     cast(y, onnx::TensorProto::DOUBLE, name);
   }
   // In the workspace (all coordinates are: the least of 0 and 1 is 1), and B <= 0 by more than float may have lost.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/orientation.h"
@@ -43,6 +44,12 @@ Policy policy_of(const RunRecord& record) {
   info.disturbance_margin = frame.velocity_scale * certificate.disturbance_margin;
   info.convergence_radius = frame.position_scale * certificate.convergence_radius;
   info.float32_error = frame.velocity_scale * float32_error(record.networks.f, workspace);
+  if (policy.networks.is_projected()) {
+    info.decay = policy.networks.decay / frame.time_scale();
+    info.stability_proved = certificate.stability.proved ? 1 : 0;
+    // Of the projection's own rounding nothing is known.
+    info.float32_error = std::numeric_limits<double>::infinity();
+  }
   info.barrier_float32_error = float32_error(record.networks.B, workspace);
   info.barrier_float64_error = float64_error(record.networks.B, workspace);
   if (record.orientation) {
@@ -73,13 +80,13 @@ Policy policy_of(const RunRecord& record) {
 }
 
 void check_policy(const Policy& policy) {
-  const auto& [f, V, B] = policy.networks;
+  const NetworkWeights &f = policy.networks.f, &V = policy.networks.V, &B = policy.networks.B;
   for (const NetworkWeights* network : {&f, &V, &B}) network->check();
   const PolicyInfo& info = policy.info;
   const Eigen::Index n = info.dimension;
   check(n > 0 && f.input_dimension() == n && f.output_dimension() == n && V.input_dimension() == n &&
             B.input_dimension() == n && V.output_dimension() == 1 && B.output_dimension() == 1 &&
-            f.head != Head::squared_norm,
+            !is_sum_of_squares(f.head),
         "policy: found f {} -> {}, V {} -> {}, B {} -> {}, expected {} -> {}, {} -> 1, {} -> 1",
         f.input_dimension(), f.output_dimension(), V.input_dimension(), V.output_dimension(),
         B.input_dimension(), B.output_dimension(), n, n, n, n);
@@ -99,6 +106,11 @@ void check_policy(const Policy& policy) {
   check(info.barrier_float32_error >= 0.0 && info.barrier_float64_error >= 0.0,
         "policy: found the bounds {} and {} on the barrier's rounding, expected ones >= 0",
         info.barrier_float32_error, info.barrier_float64_error);
+  check((info.decay > 0.0) == policy.networks.is_projected() &&
+            (!policy.networks.is_projected() || V.head == Head::diffeomorphism),
+        "policy: found a decay of {} 1/s and {} for a V with the head {}, expected both or none, and "
+        "diffeomorphism",
+        info.decay, policy.networks.decay, to_string(V.head));
   check(policy.orientation.has_value() == !info.quaternion_order.empty(),
         "policy: found an orientation law without the order of quaternions, or the order alone");
   if (policy.orientation) {
@@ -122,6 +134,11 @@ void check_fits_float(const NetworkWeights& network) {
     for (const double weight : layer.bias) check_weight(weight);
   }
   check_weight(network.quadratic);
+}
+
+void check_plain_motion(const Policy& policy, std::string_view format) {
+  check(!policy.networks.is_projected() && policy.networks.V.head != Head::diffeomorphism,
+        "{}: found a projected f or a V that is a diffeomorphism, expected --format header or onnx", format);
 }
 
 Eigen::Vector4d goal_orientation_of(const PolicyInfo& info) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "s2nnds/networks/network_weights.h"
@@ -47,6 +48,10 @@ struct PolicyInfo {
   std::int64_t shielded = 0;                    // 1: a shield keeps any velocity safe
   double shield_band = 0.0, shield_cone = 0.0;  // of the barrier, and per normalised length
 
+  // Of a projected f; none of it is visited otherwise.
+  double decay = 0.0;                 // 1/s: V falls at least as fast as e^(-decay t); 0: f is not projected
+  std::int64_t stability_proved = 0;  // 1: every motion converges to the goal, from anywhere
+
   // Where poses move; none of it is visited otherwise. Orientations are in the user's order.
   std::string quaternion_order = {};          // xyzw or wxyz; "" where nothing turns
   std::vector<double> goal_orientation = {};  // [4] in that order
@@ -89,6 +94,10 @@ struct PolicyInfo {
     visit("shielded", shielded, "1: a shield is certified");
     visit("shield_band", shield_band, "it acts where the barrier is above minus this");
     visit("shield_cone", shield_cone, "bound on the change of the barrier's gradient, normalised");
+    if (decay > 0.0) {
+      visit("decay", decay, "1/s: the Lyapunov function falls at least as fast as exp(-decay t)");
+      visit("stability_proved", stability_proved, "1: every motion converges to the goal, from anywhere");
+    }
     if (quaternion_order.empty()) return;
     visit("quaternion_order", quaternion_order, "of all orientations");
     visit("goal_orientation", goal_orientation, "where orientations end, in that order");
@@ -116,10 +125,13 @@ void check_policy(const Policy& policy);
 // Throws Error unless every weight is within float's range.
 void check_fits_float(const NetworkWeights& network);
 
+// Throws Error, naming the format, where f is projected or V a diffeomorphism, which it cannot hold.
+void check_plain_motion(const Policy& policy, std::string_view format);
+
 // The goal's orientation (w, x, y, z) of a policy of poses.
 Eigen::Vector4d goal_orientation_of(const PolicyInfo& info);
 
-// N(0) of the layers alone, [1, m]: what the heads zero_at_origin and squared_norm subtract.
+// N(0) of the layers alone, [1, m]: what all heads but plain subtract.
 Points layers_at_origin(const NetworkWeights& network);
 
 }  // namespace s2nnds

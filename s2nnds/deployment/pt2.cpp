@@ -40,7 +40,7 @@ json describe(const NetworkWeights& network) {
 std::string description(const Policy& policy) {
   json info;
   policy.info.visit([&](const char* name, const auto& value, const char*) { info[name] = value; });
-  const auto& [f, V, B] = policy.networks;
+  const NetworkWeights &f = policy.networks.f, &V = policy.networks.V, &B = policy.networks.B;
   const json networks = {{"f", describe(f)}, {"V", describe(V)}, {"B", describe(B)}};
   return json_text(json{{"info", info}, {"networks", networks}});
 }
@@ -68,6 +68,7 @@ ChildResult run_writer(const std::string& python, const std::string& input) {
 }  // namespace
 
 std::string pt2_program(const Policy& policy) {
+  check_plain_motion(policy, "pt2");
   const std::string python = python_program();
   const ChildResult writer = run_writer(python, description(policy));
   if (writer.exit_code != 0) {

@@ -118,6 +118,7 @@ std::string serialised(const torch::jit::Module& module) {
 }  // namespace
 
 std::string torchscript_module(const Policy& policy) {
+  check_plain_motion(policy, "torchscript");
   torch::jit::Module module("S2nndsPolicy");
   set_attributes(module, policy.info);
   try {

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "s2nnds/core/check.h"
-#include "s2nnds/networks/evaluator.h"
 
 namespace s2nnds {
 namespace {
@@ -17,6 +16,13 @@ std::function<Points(const Points&)> in_precision(const NetworkWeights& network)
 }
 
 }  // namespace
+
+StateFunction::StateFunction(const Dynamics& dynamics)
+    : value_([packed = std::make_shared<const BasicDynamicsEvaluator<double>>(dynamics)](const Points& x) {
+        return packed->value(x);
+      }),
+      quick_value_([packed = std::make_shared<const BasicDynamicsEvaluator<float>>(dynamics)](
+                       const Points& x) { return packed->value(x); }) {}
 
 StateFunction::StateFunction(const NetworkWeights& network)
     : value_(in_precision<double>(network)), quick_value_(in_precision<float>(network)) {}

@@ -5,16 +5,17 @@
 #include <functional>
 #include <utility>
 
-#include "s2nnds/networks/network_weights.h"
+#include "s2nnds/networks/dynamics.h"
 
 namespace s2nnds {
 
-// What is evaluated: any function of the state, a network or a callable that maps N points [N, n] to N values
+// What is evaluated: any function of the state, a network, the velocity of dynamics, or a callable that maps N points [N, n] to N values
 // [N, m]. A vector field f has m = n, a barrier function B has m = 1. It must bear calls from several threads
-// at once. Both kinds convert to it, so that functions which take one are called with either.
+// at once. All of them convert to it, so that functions which take one are called with either.
 class StateFunction {
  public:
   StateFunction(const NetworkWeights& network);  // packs the weights once; throws Error as check() does
+  StateFunction(const Dynamics& dynamics);       // the velocity; otherwise alike
   // From a callable Points -> Points, which is copied.
   template <typename F>
   requires std::is_invocable_r_v<Points, const F&, const Points&> StateFunction(F function)
@@ -22,7 +23,7 @@ class StateFunction {
 
   // In double: [N, n] -> [N, m].
   Points value(const Points& x) const { return value_(x); }
-  // A network in single precision, several times as fast: for labels, where a rounding error may turn a few.
+  // Networks in single precision, several times as fast: for labels, where a rounding error may turn a few.
   // The same as value() for a callable.
   Points quick_value(const Points& x) const { return quick_value_(x); }
 

@@ -228,6 +228,25 @@ void FusedNetwork<T>::backward_tile(ptrdiff_t rows, const T* x, const T* directi
 }
 
 template <typename T>
+void FusedNetwork<T>::pull_back_tile(ptrdiff_t rows, const T* tape, const T* adjoint_value, T* adjoint_x,
+                                     T* scratch) const {
+  const DenseKernels<T>& kernels = dense_kernels<T>();
+  T* adjoint = scratch;
+  T* below = scratch + kTileRows * widest_;
+  pad(rows, outputs(), adjoint_value, packed_.back().out_width, adjoint);
+  for (std::size_t l = packed_.size(); l-- > 0;) {
+    const Packed& p = packed_[l];
+    const T* slope = tape + (2 * tape_width_ + p.tape) * kTileRows;
+    kernels.pull_adjoint(rows * p.out_width, slope, nullptr, adjoint, nullptr);
+    kernels.multiply(rows, p.in_width, p.shape.outputs, adjoint, p.out_width, 1, weights_.data() + p.plain,
+                     p.in_width, below, p.in_width, false);
+    std::swap(adjoint, below);
+  }
+  const ptrdiff_t n = inputs(), width = packed_.front().in_width;
+  for (ptrdiff_t s = 0; s < rows; ++s) std::copy_n(adjoint + s * width, n, adjoint_x + s * n);
+}
+
+template <typename T>
 void FusedNetwork<T>::unpack_gradient(const T* packed, T* parameter_gradient) const {
   for (const Packed& p : packed_) {
     T* to = parameter_gradient + p.parameter;
@@ -265,6 +284,11 @@ template <typename T>
 void FusedTile<T>::backward(const T* adjoint_value, const T* adjoint_derivative, T* adjoint_direction) {
   network_.backward_tile(rows_, x_, direction_, tape_.data(), adjoint_value, adjoint_derivative,
                          gradient_.data(), direction_ ? adjoint_direction : nullptr, scratch_.data());
+}
+
+template <typename T>
+void FusedTile<T>::pull_back(const T* adjoint_value, T* adjoint_x) {
+  network_.pull_back_tile(rows_, tape_.data(), adjoint_value, adjoint_x, scratch_.data());
 }
 
 template <typename T>

@@ -86,6 +86,8 @@ class FusedNetwork {
   void backward_tile(std::ptrdiff_t rows, const T* x, const T* direction, const T* tape,
                      const T* adjoint_value, const T* adjoint_derivative, T* gradient, T* adjoint_direction,
                      T* scratch) const;
+  void pull_back_tile(std::ptrdiff_t rows, const T* tape, const T* adjoint_value, T* adjoint_x,
+                      T* scratch) const;
   void unpack_gradient(const T* packed, T* parameter_gradient) const;
 
   std::vector<LayerShape> layers_;
@@ -109,6 +111,10 @@ class FusedTile {
   void forward(std::ptrdiff_t rows, const T* x, const T* direction, T* value, T* derivative);
   // Of the last forward: adds to the gradient and, unless null, writes the adjoint of the direction.
   void backward(const T* adjoint_value, const T* adjoint_derivative, T* adjoint_direction);
+
+  // Of the last forward: J' adjoint [rows, inputs], J the Jacobian of the network's value, for adjoints
+  // [rows, outputs]. Leaves the gradient alone.
+  void pull_back(const T* adjoint_value, T* adjoint_x);
 
   void clear_gradient();  // sets it to 0
   // The gradient in the network's padded order, where gradients of several tiles may be added up.

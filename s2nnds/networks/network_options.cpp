@@ -18,17 +18,26 @@ void MlpOptions::visit(FieldVisitor& v) {
 void VectorFieldOptions::visit(FieldVisitor& v) {
   network.visit(v);
   v.field("zero_at_origin", zero_at_origin);
+  v.field("form", form, {"auto", "plain", "projected"});
+  if (form != "plain") v.field("decay", decay, above(0.0));
 }
 
 void LyapunovOptions::visit(FieldVisitor& v) {
   network.visit(v);
-  v.field("form", form, {"squared_norm", "scalar"});
-  if (form != "squared_norm") return;
-  v.field("features", features, between(1, 4096));
-  v.field("quadratic", quadratic, above(0.0));
+  v.field("form", form, {"auto", "squared_norm", "scalar", "diffeomorphism"});
+  if (form == "auto" || form == "squared_norm") {
+    v.field("features", features, between(1, 4096));
+    v.field("quadratic", quadratic, above(0.0));
+  }
+  if (form == "auto" || form == "diffeomorphism") v.field("lipschitz", lipschitz, inside(0.0, 1.0));
 }
 
 void BarrierOptions::visit(FieldVisitor& v) { network.visit(v); }
+
+void NetworkOptions::choose_forms(bool projected) {
+  if (f.form == "auto") f.form = projected ? "projected" : "plain";
+  if (V.form == "auto") V.form = f.form == "projected" ? "diffeomorphism" : "squared_norm";
+}
 
 void NetworkOptions::visit(FieldVisitor& v) {
   v.group("f", f);
@@ -39,7 +48,8 @@ void NetworkOptions::visit(FieldVisitor& v) {
 NetworkOptions paper_networks() {
   NetworkOptions options;
   options.f = {.network = {.hidden = {64, 64, 64, 64}, .output_activation = "tanh", .bias = false},
-               .zero_at_origin = false};
+               .zero_at_origin = false,
+               .form = "plain"};
   options.V = {.network = {.hidden = {128, 128, 128}, .activation = "elu", .bias = false}, .form = "scalar"};
   options.B = {.network = {.hidden = {128, 128, 128}, .activation = "elu"}};
   return options;

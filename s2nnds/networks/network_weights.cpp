@@ -5,6 +5,7 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 
@@ -21,8 +22,11 @@ constexpr std::array<std::pair<Activation, std::string_view>, 6> activations = {
      {Activation::softplus, "softplus"},
      {Activation::silu, "silu"},
      {Activation::sine, "sine"}}};
-constexpr std::array<std::pair<Head, std::string_view>, 3> heads = {
-    {{Head::plain, "plain"}, {Head::zero_at_origin, "zero_at_origin"}, {Head::squared_norm, "squared_norm"}}};
+constexpr std::array<std::pair<Head, std::string_view>, 4> heads = {
+    {{Head::plain, "plain"},
+     {Head::zero_at_origin, "zero_at_origin"},
+     {Head::squared_norm, "squared_norm"},
+     {Head::diffeomorphism, "diffeomorphism"}}};
 
 template <typename Table>
 std::string known(const Table& table) {
@@ -123,7 +127,7 @@ Eigen::Index NetworkWeights::input_dimension() const {
 }
 
 Eigen::Index NetworkWeights::output_dimension() const {
-  if (head == Head::squared_norm) return 1;
+  if (is_sum_of_squares(head)) return 1;
   return layers.empty() ? 0 : layers.back().weight.rows();
 }
 
@@ -137,6 +141,11 @@ void NetworkWeights::check() const {
   s2nnds::check(!layers.empty(), "network: found no layers, expected at least one");
   s2nnds::check(quadratic >= 0.0 && std::isfinite(quadratic),
                 "network: quadratic is {}, expected a number >= 0", quadratic);
+  s2nnds::check(
+      head != Head::diffeomorphism || (layers.back().weight.rows() == input_dimension() && quadratic == 0.0),
+      "network: found a diffeomorphism of {} inputs and {} outputs with quadratic {}, expected as many "
+      "outputs and 0",
+      input_dimension(), layers.back().weight.rows(), quadratic);
   for (std::size_t k = 0; k < layers.size(); ++k) {
     const Layer& layer = layers[k];
     s2nnds::check(layer.weight.size() > 0, "network: layer {} has an empty weight", k);
@@ -158,11 +167,19 @@ void NetworkWeights::value_and_derivative(const Points& x, const Points& directi
   Evaluator(*this).value_and_derivative(x, direction, value, derivative);
 }
 
+void NetworkWeights::value_and_gradient(const Points& x, Vector& value, Points& gradient) const {
+  Evaluator(*this).value_and_gradient(x, value, gradient);
+}
+
 std::string weight_hash(const Networks& networks) {
   Sha256 hash;
   add(hash, networks.f);
   add(hash, networks.V);
   add(hash, networks.B);
+  if (networks.is_projected()) {
+    hash.add("projected");
+    hash.add(networks.decay);
+  }
   return hash.hex();
 }
 

@@ -90,7 +90,7 @@ void prove(const PreparedRun& setup, RunRecord& record) {
 }
 
 // Distances along both paths, matched in order.
-double change_of_motion(const PreparedRun& setup, const NetworkWeights& before, const NetworkWeights& after) {
+double change_of_motion(const PreparedRun& setup, const Dynamics& before, const Dynamics& after) {
   std::vector<Demonstration> motions = setup.train();
   for (Demonstration& motion : motions) {
     const Rollout rollout =
@@ -116,17 +116,17 @@ class Adapter {
     record.orientation = old_.orientation;
     if (old_.checkpoint) record.checkpoint = old_.checkpoint, record.history = old_.history;
     prove(setup_, record);
-    if (is_certified(setup_, record) && follows(record.networks.f))
+    if (is_certified(setup_, record) && follows(record.networks))
       return finish(std::move(record), Adaptation::held);
     if (cancelled()) return finish(std::move(record), Adaptation::failed);
     record = go_on();
-    if (is_certified(setup_, record) && follows(record.networks.f))
+    if (is_certified(setup_, record) && follows(record.networks))
       return finish(std::move(record), Adaptation::adapted);
     if (cancelled()) return finish(std::move(record), Adaptation::failed);
     record = fresh();
     train(setup_, record, hooks());
     prove(setup_, record);
-    const bool certified = is_certified(setup_, record) && follows(record.networks.f);
+    const bool certified = is_certified(setup_, record) && follows(record.networks);
     return finish(std::move(record), certified ? Adaptation::anew : Adaptation::failed);
   }
 
@@ -141,14 +141,16 @@ class Adapter {
             .until_certified = true};
   }
 
-  bool follows(const NetworkWeights& f) const { return worst_deviation(setup_, f) <= 1.0; }
+  bool follows(const Networks& networks) const {
+    return worst_deviation(setup_, networks.dynamics()) <= 1.0;
+  }
 
   // From the old networks: B alone, then all three.
   RunRecord go_on() const {
     PreparedRun quick = setup_;
     TrainerOptions& training = quick.config.training;
     training.rounds = kRounds;
-    training.barrier_rounds = follows(old_.networks.f) ? kBarrierRounds : 0;
+    training.barrier_rounds = follows(old_.networks) ? kBarrierRounds : 0;
     training.steps = training.enlarge_steps = kSteps;
     training.rollout_points = std::min(training.rollout_points, kLabels);
     training.rate_period = 0;
@@ -165,7 +167,7 @@ class Adapter {
     AdaptationResult result;
     result.outcome = outcome;
     result.seconds = watch_.seconds();
-    result.motion_change = change_of_motion(setup_, old_.networks.f, record.networks.f);
+    result.motion_change = change_of_motion(setup_, old_.networks.dynamics(), record.networks.dynamics());
     result.record = std::move(record);
     return result;
   }

@@ -102,7 +102,8 @@ bool is_of_the_run(const PreparedRun& setup, const RunRecord& record) {
 }
 
 bool claims_anything(const Certificate& certificate) {
-  return certificate.guarantee != Guarantee::none || !certificate.conditions.empty();
+  return certificate.guarantee != Guarantee::none || certificate.stability.proved ||
+         !certificate.conditions.empty();
 }
 
 }  // namespace

@@ -7,9 +7,16 @@
 #include "s2nnds/core/check.h"
 
 namespace s2nnds {
+namespace {
+
+constexpr const char* kAuto = "auto";
+
+}  // namespace
 
 void VerificationOptions::visit(FieldVisitor& v) {
-  visit_enum(v, "method", method);
+  std::string text(method ? to_string(*method) : kAuto);
+  v.field("method", text, {kAuto, "sampled", "conformal", "proof"});
+  method = text == kAuto ? std::nullopt : std::optional(enum_from<Method>(text));
   v.group("sampled", sampled);
   v.group("conformal", conformal);
   v.group("proof", proof);
@@ -42,11 +49,42 @@ void Config::visit(FieldVisitor& v) {
   v.group("evaluation", evaluation);
 }
 
+void Config::choose_for(std::int64_t dimension) {
+  const bool fits = execution.is_ideal() && training.margin == 0.0 && networks.f.zero_at_origin &&
+                    (networks.V.form == kAuto || networks.V.form == "diffeomorphism");
+  networks.choose_forms(dimension > most_proved_dimensions && verification.method != Method::proof && fits);
+  if (!verification.method)
+    verification.method = networks.f.form == "projected" ? Method::conformal : Method::proof;
+}
+
+void Config::check_forms() const {
+  const bool proves = verification.method == Method::proof;
+  check(!proves || networks.V.form != "diffeomorphism",
+        "verification.method: found proof with networks.V.form = diffeomorphism, which the prover does not "
+        "know; "
+        "expected conformal or sampled");
+  if (networks.f.form != "projected") return;
+  check(!proves,
+        "verification.method: found proof with networks.f.form = projected, which the prover does not know; "
+        "expected conformal or sampled");
+  check(networks.V.form == "diffeomorphism",
+        "networks.f.form: found projected with networks.V.form = {}, expected diffeomorphism",
+        networks.V.form);
+  check(networks.f.zero_at_origin,
+        "networks.f.form: found projected with zero_at_origin = false, expected true: the goal must be an "
+        "equilibrium");
+  check(execution.is_ideal() && training.margin == 0.0,
+        "networks.f.form: found projected with [execution] or training.margin, which its training does not "
+        "know; "
+        "expected neither");
+}
+
 Config default_config(const std::string& profile) {
   Config config;
   config.profile = profile;
   if (profile == "robust") return config;
   if (profile == "imitation") {
+    config.networks.choose_forms(false);
     config.training = imitation_training();
     config.verification.method = Method::sampled;
     return config;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,14 @@
 
 namespace s2nnds {
 
+// More dimensions a proof is not likely to end in.
+inline constexpr std::int64_t most_proved_dimensions = 4;
+
 // How a run's networks are verified, and the settings of each method.
 struct VerificationOptions {
   // What `train` ends with: sampled, conformal, or proof. With proof, the prover's open boxes also go back
-  // into training.
-  Method method = Method::proof;
+  // into training. auto (none here): conformal where f is projected, else proof; in sweeps proof
+  std::optional<Method> method;
   SampledOptions sampled;      // of the method sampled
   ConformalOptions conformal;  // of the method conformal
   ProofOptions proof;          // of the method proof: limits, which end it undecided
@@ -62,6 +66,12 @@ struct Config {
 
   // Names each field once. When a profile is read, all fields but `name` first take its defaults.
   void visit(FieldVisitor& v);
+
+  // Replaces what is auto in networks and verification by what is chosen for positions of this dimension.
+  void choose_for(std::int64_t dimension);
+  // Throws Error with one line where the forms of the networks, once chosen, do not go with each other or with how the
+  // run is verified.
+  void check_forms() const;
 };
 
 // The defaults of a profile. Throws Error on an unknown one.

@@ -33,12 +33,12 @@ Grid make_grid(const PreparedRun& setup, const Networks& networks) {
   grid.initial = grid_level(*setup.problem.initial, grid.axes);
   grid.V = networks.V.value(points);
   grid.B = networks.B.value(points);
-  grid.velocity = networks.f.value(points);
+  grid.velocity = networks.velocity(points);
   return grid;
 }
 
 std::vector<StoredRollout> make_rollouts(const PreparedRun& setup, const RunRecord& record) {
-  const NetworkWeights& f = record.networks.f;
+  const Dynamics f = record.networks.dynamics();
   const Frame& frame = setup.data.frame;
   std::vector<StoredRollout> rollouts;
   const auto add = [&](const std::vector<Demonstration>& demonstrations, const std::string& kind) {
@@ -61,7 +61,7 @@ std::vector<StoredRollout> make_rollouts(const PreparedRun& setup, const RunReco
 void measure_orientations(const PreparedRun& setup, const RunRecord& record, EvaluationSummary& summary) {
   const auto measure = [&](const std::vector<Demonstration>& demonstrations, double& mean, double& largest) {
     const OrientationErrors found =
-        orientation_errors(record.networks.f, *record.orientation, setup.data.frame, demonstrations,
+        orientation_errors(record.networks.dynamics(), *record.orientation, setup.data.frame, demonstrations,
                            setup.config.evaluation.rollout);
     mean = degrees(found.mean);
     largest = degrees(found.largest);
@@ -75,24 +75,25 @@ void measure_orientations(const PreparedRun& setup, const RunRecord& record, Eva
 
 void evaluate_motion(const PreparedRun& setup, RunRecord& record) {
   const Networks& networks = record.networks;
+  const Dynamics dynamics = networks.dynamics();
   const RolloutOptions& rollout = setup.config.evaluation.rollout;
   const Eigen::Index places = setup.problem.places();
-  const MotionErrors train_errors = motion_errors(networks.f, setup.train(), rollout, places);
+  const MotionErrors train_errors = motion_errors(dynamics, setup.train(), rollout, places);
   EvaluationSummary summary;
   summary.mse_train = train_errors.mse;
   summary.sd_train = train_errors.sd;
   summary.dtw_train = train_errors.dtw;
   if (!setup.data.split.test.empty()) {
-    const MotionErrors test = motion_errors(networks.f, setup.test(), rollout, places);
+    const MotionErrors test = motion_errors(dynamics, setup.test(), rollout, places);
     summary.mse_test = test.mse;
     summary.sd_test = test.sd;
     summary.dtw_test = test.dtw;
     summary.dtw_independent_test = test.dtw_independent;
   }
   if (!setup.data.split.validation.empty()) {
-    summary.mse_validation = motion_errors(networks.f, setup.validation(), rollout, places).mse;
+    summary.mse_validation = motion_errors(dynamics, setup.validation(), rollout, places).mse;
   }
-  const std::vector<Deviation> from_shown = deviations_of(setup, networks.f);
+  const std::vector<Deviation> from_shown = deviations_of(setup, dynamics);
   summary.deviation_mean = summary.deviation_largest = summary.not_followed = 0.0;
   for (const Deviation& each : from_shown) {
     summary.deviation_mean = std::max(summary.deviation_mean, each.mean);
@@ -100,7 +101,7 @@ void evaluate_motion(const PreparedRun& setup, RunRecord& record) {
     summary.not_followed += each.follows() ? 0.0 : 1.0;
   }
   if (record.orientation) measure_orientations(setup, record, summary);
-  const std::vector<Deviation> from_initial = start_deviations_of(setup, networks.f);
+  const std::vector<Deviation> from_initial = start_deviations_of(setup, dynamics);
   summary.starts_not_followed = static_cast<double>(std::count_if(
       from_initial.begin(), from_initial.end(), [](const Deviation& each) { return !each.follows(); }));
   record.evaluation = summary;
@@ -113,7 +114,7 @@ void evaluate_motion(const PreparedRun& setup, RunRecord& record) {
 void evaluate(const PreparedRun& setup, RunRecord& record) {
   const Stopwatch watch;
   evaluate_motion(setup, record);
-  const SafeArea area = measure_safe_area(record.networks.f, record.networks.B, setup.problem,
+  const SafeArea area = measure_safe_area(record.networks.dynamics(), record.networks.B, setup.problem,
                                           static_cast<int>(setup.config.evaluation.area_cells));
   record.evaluation.safe_area = area.safe_area;
   record.evaluation.true_safe_area = area.true_safe_area;

@@ -123,24 +123,23 @@ void add_open_places(const PreparedRun& setup, const RunRecord& record, std::vec
 
 }  // namespace
 
-std::vector<Deviation> deviations_of(const PreparedRun& setup, const NetworkWeights& f) {
+std::vector<Deviation> deviations_of(const PreparedRun& setup, const Dynamics& f) {
   return deviations(f, setup.problem, setup.train(), setup.config.evaluation.fidelity,
                     2.0 * setup.config.training.obstacle_margin, setup.config.evaluation.rollout);
 }
 
-std::vector<Deviation> start_deviations_of(const PreparedRun& setup, const NetworkWeights& f,
-                                           std::int64_t draw) {
+std::vector<Deviation> start_deviations_of(const PreparedRun& setup, const Dynamics& f, std::int64_t draw) {
   const std::vector<Demonstration> shown = setup.train();
   return start_deviations(f, setup.problem, shown, starts_of(setup, shown, draw),
                           setup.config.evaluation.fidelity, 2.0 * setup.config.training.obstacle_margin,
                           setup.config.evaluation.rollout);
 }
 
-double worst_deviation(const PreparedRun& setup, const NetworkWeights& f, std::int64_t draw) {
+double worst_deviation(const PreparedRun& setup, const Dynamics& f, std::int64_t draw) {
   return std::max(worst_share(deviations_of(setup, f)), worst_share(start_deviations_of(setup, f, draw)));
 }
 
-VelocityTargets corrections_of(const PreparedRun& setup, const NetworkWeights& f, std::int64_t draw) {
+VelocityTargets corrections_of(const PreparedRun& setup, const Dynamics& f, std::int64_t draw) {
   const std::vector<Demonstration> shown = setup.train();
   return corrections_of(f, setup.problem, shown, starts_of(setup, shown, draw),
                         setup.config.evaluation.fidelity, 2.0 * setup.config.training.obstacle_margin,
@@ -152,7 +151,7 @@ bool follows_demonstrations(const RunRecord& record) {
 }
 
 std::vector<std::string> topology_remarks(const PreparedRun& setup, const RunRecord& record) {
-  const Topology found = find_topology(record.networks.f, record.networks.B, setup.problem);
+  const Topology found = find_topology(record.networks.dynamics(), record.networks.B, setup.problem);
   const UserUnits units(record);
   std::vector<std::string> remarks;
   for (const Island& island : found.islands) {

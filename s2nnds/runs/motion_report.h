@@ -11,18 +11,18 @@
 namespace s2nnds {
 
 // How far the motions of f are from the training demonstrations, one each (Config::evaluation.fidelity).
-std::vector<Deviation> deviations_of(const PreparedRun& setup, const NetworkWeights& f);
+std::vector<Deviation> deviations_of(const PreparedRun& setup, const Dynamics& f);
 
 // The same from 32 starts that cover X0 (spread_starts), which differ from `draw` to draw; empty where X0 has
 // no volume.
-std::vector<Deviation> start_deviations_of(const PreparedRun& setup, const NetworkWeights& f,
+std::vector<Deviation> start_deviations_of(const PreparedRun& setup, const Dynamics& f,
                                            std::int64_t draw = 0);
 // The largest mean / limit of both: at most 1 where the motion follows the demonstrations from all these
 // starts.
-double worst_deviation(const PreparedRun& setup, const NetworkWeights& f, std::int64_t draw = 0);
+double worst_deviation(const PreparedRun& setup, const Dynamics& f, std::int64_t draw = 0);
 // What the motions that stray from what they should be, from the demonstrations' starts and from X0, are
 // corrected to.
-VelocityTargets corrections_of(const PreparedRun& setup, const NetworkWeights& f, std::int64_t draw);
+VelocityTargets corrections_of(const PreparedRun& setup, const Dynamics& f, std::int64_t draw);
 
 // Whether the record's motion counts as following the training demonstrations, from each of them and from X0,
 // as evaluate() measured it.

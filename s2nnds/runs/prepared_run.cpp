@@ -1,13 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "s2nnds/runs/prepared_run.h"
 
+#include <fmt/format.h>
+
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/phase.h"
 #include "s2nnds/runs/version.h"
 
 namespace s2nnds {
+namespace {
+
+// What the dimension makes of a configuration that leaves it open; "" in up to four dimensions.
+std::string choice_in_words(const Config& config, std::int64_t dimension) {
+  Config chosen = config;
+  chosen.choose_for(dimension);
+  if (config.networks.f.form == chosen.networks.f.form || chosen.networks.f.form != "projected") return "";
+  return fmt::format(
+      "{} dimensions: networks.f.form = projected, so that convergence is proved by construction; what "
+      "concerns "
+      "the obstacle is checked at drawn points (verification.method = {})",
+      dimension, to_string(*chosen.verification.method));
+}
+
+}  // namespace
 
 PreparedRun prepare(Config config, RunData data, RegionFiles files) {
+  config.choose_for(data.dimension);
+  config.check_forms();
   PreparedRun setup{.config = std::move(config),
                     .data = std::move(data),
                     .demonstrations = {},
@@ -30,6 +49,8 @@ PreparedRun prepare(const Config& config, DemonstrationSet as_read, RegionFiles 
   data.split = split_demonstrations(as_read.demonstrations.size(), config.data.test, config.data.validation);
   data.demonstrations = std::move(as_read.demonstrations);
   data.report = std::move(as_read.report);
+  if (const std::string line = choice_in_words(config, data.dimension); !line.empty())
+    data.report.push_back(line);
   return prepare(config, std::move(data), std::move(files));
 }
 

@@ -215,6 +215,17 @@ void write_network(Hdf5Writer& file, const std::string& group, const NetworkWeig
   }
 }
 
+// f, V and how they move together.
+void write_motion(Hdf5Writer& file, const Networks& networks) {
+  write_network(file, "/networks/f", networks.f);
+  write_network(file, "/networks/V", networks.V);
+  if (networks.is_projected()) file.write_attribute("/networks/f", "decay", networks.decay);
+}
+
+double read_decay(const Hdf5Reader& file) {
+  return file.has_attribute("/networks/f", "decay") ? file.number_attribute("/networks/f", "decay") : 0.0;
+}
+
 NetworkWeights read_network(const Hdf5Reader& file, const std::string& group) {
   NetworkWeights network;
   network.quadratic = file.number_attribute(group, "quadratic");
@@ -388,7 +399,8 @@ RunRecord read_run(const std::string& path) {
   record.history = read_history(file);
   record.networks = {.f = read_network(file, "/networks/f"),
                      .V = read_network(file, "/networks/V"),
-                     .B = read_network(file, "/networks/B")};
+                     .B = read_network(file, "/networks/B"),
+                     .decay = read_decay(file)};
   if (file.exists("/networks/psi")) record.orientation = read_orientation(file);
   record.certificate = read_fields<Certificate>(file, "/certificate");
   if (file.exists("/certificate/open_boxes")) {
@@ -462,6 +474,8 @@ void check_record(const RunRecord& record) {
   }
   check_network("f", record.networks.f, n, n);
   check_network("V", record.networks.V, n, 1);
+  check(record.networks.decay >= 0.0 && std::isfinite(record.networks.decay),
+        "/networks/f: found decay {}, expected a number >= 0", record.networks.decay);
   check_network("B", record.networks.B, n, 1);
   if (record.orientation) {
     check(record.data.frame.has_orientation(),
@@ -508,8 +522,7 @@ void save_run(const std::string& path, const RunRecord& record) {
   write(file, record.problem);
   file.make_group("/history");
   for (const auto& [name, column] : record.history) file.write("/history/" + name, column);
-  write_network(file, "/networks/f", record.networks.f);
-  write_network(file, "/networks/V", record.networks.V);
+  write_motion(file, record.networks);
   write_network(file, "/networks/B", record.networks.B);
   if (record.orientation) write(file, *record.orientation);
   write_fields(file, "/certificate", record.certificate);
@@ -531,8 +544,7 @@ void save_proof(const std::string& path, const RunRecord& record, const ProofCov
   file.write_attribute("/", "program_version", record.program_version);
   file.write_attribute("/", "name", record.name);
   file.write_attribute("/data", "dimension", record.data.dimension);
-  write_network(file, "/networks/f", record.networks.f);
-  write_network(file, "/networks/V", record.networks.V);
+  write_motion(file, record.networks);
   write_network(file, "/networks/B", record.networks.B);
   file.write_attribute("/certificate", "scope", record.certificate.scope);
   for (const auto& [name, bytes] : covers) file.write("/cover/" + name, bytes);

@@ -179,7 +179,8 @@ std::optional<std::string> sides_warning(const SafetyProblem& problem, const Fra
       found->first, found->second, frame.position_text(frame.to_data(found->place)));
 }
 
-std::string dimension_warning(const Config& config, Eigen::Index dimension) {
+std::string dimension_warning(Config config, Eigen::Index dimension) {
+  config.choose_for(dimension);
   if (dimension <= most_proved_dimensions || config.verification.method != Method::proof) return "";
   return fmt::format(
       "a proof in {} dimensions is hardly to be hoped for: it gives up, mostly within half a minute, where "

@@ -13,8 +13,6 @@
 
 namespace s2nnds {
 
-inline constexpr Eigen::Index most_proved_dimensions = 4;  // see dimension_warning()
-
 // What a configuration asks for, looked at before any training; whatever is wrong with it is in words, so that
 // what there is can be told and drawn.
 struct Scene {
@@ -46,7 +44,7 @@ std::optional<std::string> sides_warning(const SafetyProblem& problem, const Fra
                                          const std::vector<Demonstration>& normalised);
 
 // That a proof is asked for in more dimensions than it is likely to end in: "" in up to four.
-std::string dimension_warning(const Config& config, Eigen::Index dimension);
+std::string dimension_warning(Config config, Eigen::Index dimension);
 
 // How far each demonstration, in normalised units, stays from the obstacle within the workspace; the result is
 // in the data's unit and frame, to a thousandth of the largest coordinate. Empty where there is no obstacle.

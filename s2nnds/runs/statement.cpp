@@ -15,6 +15,13 @@ namespace {
 
 std::string number(double value) { return fmt::format("{:.4g}", value); }
 
+// Four digits that are not more than the value, >= 0, was.
+std::string decimal_down(double value) {
+  if (!(value > 0.0) || !std::isfinite(value)) return number(value);
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 3.0);
+  return number(std::floor(value / unit * (1.0 - 1e-12)) * unit);
+}
+
 std::string all_conditions_in_words(const RunRecord& record) {
   return fmt::format(
       "V > 0 and V decreases along motions everywhere but at the goal, B <= 0 on the initial set, B > 0 on "
@@ -180,6 +187,24 @@ std::string phase_in_words(const RunRecord& record) {
                                   : number(frame.phase_start / frame.position_scale));
 }
 
+// What the proof of stability says beyond its sentence.
+std::string stability_details(const RunRecord& record) {
+  const StabilityCertificate& found = record.certificate.stability;
+  if (!found.proved) return "";
+  return fmt::format(
+      " Of stability: f is the network's velocity projected on those along which V falls so fast, and V = "
+      "|phi(x)|^2, "
+      "where phi(x) - x has a Lipschitz constant below {:.6g}, so that phi is one-to-one and V has no other "
+      "place of "
+      "rest; a motion's distance from the goal is at most {:.4g} exp(-{} t) times that at its start. It "
+      "holds in exact "
+      "arithmetic for the networks with these double-precision weights, whatever is said of the obstacle: a "
+      "motion "
+      "that converges may meet it.",
+      found.lipschitz * (1.0 + 1e-5), found.overshoot * (1.0 + 1e-3),
+      decimal_down(0.5 * found.decay / record.data.frame.time_scale()));
+}
+
 // Hundredths of degrees, rounded so that what is said of them is true.
 double degrees_up(double radians) { return std::ceil(100.0 * degrees(radians) + 1e-6) / 100.0; }
 double degrees_down(double radians) { return std::floor(100.0 * degrees(radians) - 1e-6) / 100.0; }
@@ -274,6 +299,17 @@ std::string guarantee_sentence(const RunRecord& record) {
   return "";
 }
 
+std::string stability_sentence(const RunRecord& record) {
+  const StabilityCertificate& found = record.certificate.stability;
+  if (found.decay == 0.0) return "";
+  if (!found.proved) return fmt::format("Stability is NOT proved: {}.", found.reason);
+  return fmt::format(
+      "Stability is proved: every motion of x' = f(x), from any state, converges to the goal (V falls at "
+      "least as "
+      "fast as exp(-{} t), t in s).",
+      decimal_down(found.decay / record.data.frame.time_scale()));
+}
+
 std::string orientation_sentence(const RunRecord& record) {
   if (!record.data.frame.has_orientation()) return "";
   const Certificate& certificate = record.certificate;
@@ -292,10 +328,13 @@ std::string orientation_sentence(const RunRecord& record) {
 
 std::string guarantee_statement(const RunRecord& record) {
   const std::string turning = orientation_sentence(record);
-  const std::string sentences = guarantee_sentence(record) + (turning.empty() ? "" : " " + turning);
-  if (record.certificate.guarantee == Guarantee::none) return sentences + refutations(record);
-  return sentences + phase_in_words(record) + details(record) + orientation_details(record) +
-         refutations(record) + coordinates(record) +
+  const std::string stable = stability_sentence(record);
+  const std::string sentences = (stable.empty() ? "" : stable + " ") + guarantee_sentence(record) +
+                                (turning.empty() ? "" : " " + turning);
+  if (record.certificate.guarantee == Guarantee::none)
+    return sentences + stability_details(record) + refutations(record);
+  return sentences + phase_in_words(record) + stability_details(record) + details(record) +
+         orientation_details(record) + refutations(record) + coordinates(record) +
          (record.certificate.execution.invariant
               ? " This is about a point of the robot that moves as told above, not about its other parts."
               : " This is about the kinematic motion of a point, not about a robot's tracking error.");

@@ -11,6 +11,9 @@ namespace s2nnds {
 // The guarantee of the record's certificate in one or two sentences.
 std::string guarantee_sentence(const RunRecord& record);
 
+// What is proved of all motions of a projected f, in a sentence or two; "" where f is not projected.
+std::string stability_sentence(const RunRecord& record);
+
 // What is guaranteed of the orientation, in a sentence or two; "" where nothing turns.
 std::string orientation_sentence(const RunRecord& record);
 

@@ -111,6 +111,13 @@ std::string summary_json(const RunRecord& record, const std::string& path) {
   }
   if (const ExecutionCertificate& executed = certificate.execution; executed.damping > 0.0)
     json["pushes"] = {{"damping", executed.damping}, {"least_push", executed.least_push}};
+  if (const StabilityCertificate& stable = certificate.stability; stable.decay > 0.0) {
+    json["stability"] = {{"proved", stable.proved},
+                         {"decay", real(stable.decay / record.data.frame.time_scale())},
+                         {"lipschitz", real(stable.lipschitz)},
+                         {"overshoot", real(stable.overshoot)},
+                         {"reason", stable.reason}};
+  }
   if (record.data.frame.has_orientation()) {
     const OrientationCertificate& turning = certificate.orientation;
     json["orientation"] = {{"proved", turning.proved},

@@ -45,22 +45,23 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
     trainer.add_source(std::make_shared<ExecutionFalsifier>(options.loss.execution.model));
   } else {
     trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
+    if (setup.problem.dimension() > most_proved_dimensions)
+      trainer.add_source(std::make_shared<RegionFalsifier>(setup.problem, config.training.samples));
   }
-  trainer.set_rollout_labels([&](const NetworkWeights& f, const Points& starts) {
-    return rollout_is_safe(f, setup.problem, starts);
-  });
+  trainer.set_rollout_labels(
+      [&](const Dynamics& f, const Points& starts) { return rollout_is_safe(f, setup.problem, starts); });
   trainer.set_look([&](const Networks& networks, RoundSummary& row) {
     // The last stage leaves f as it is.
     if (row.clean() && row.stage != Stage::enlarge)
-      row.deviation = worst_deviation(setup, networks.f, row.round);
+      row.deviation = worst_deviation(setup, networks.dynamics(), row.round);
     if (row.stage != Stage::search || row.clean()) return;
-    const Topology topology = find_topology(networks.f, networks.B, setup.problem);
+    const Topology topology = find_topology(networks.dynamics(), networks.B, setup.problem);
     row.islands = std::ssize(topology.islands);
     row.equilibria = std::ssize(topology.equilibria);
   });
   if (config.training.start_paths > 0.0) {
     trainer.set_corrections(
-        [&](const NetworkWeights& f, std::int64_t round) { return corrections_of(setup, f, round); });
+        [&](const Dynamics& f, std::int64_t round) { return corrections_of(setup, f, round); });
   }
   if (record.checkpoint) trainer.restore(to_trainer_state(record));
   trainer.on_round([&](const RoundSummary& row, const Trainer& current) {

@@ -13,6 +13,7 @@
 #include "s2nnds/verification/level_distance.h"
 #include "s2nnds/verification/orientation_bound.h"
 #include "s2nnds/verification/rounding_error.h"
+#include "s2nnds/verification/stability.h"
 
 namespace s2nnds {
 namespace {
@@ -180,6 +181,7 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
   certificate.level_band = setup.config.training.level_band;
   certificate.barrier_float32_error = float32_error(record.networks.B, setup.problem.workspace);
   certificate.barrier_float64_error = float64_error(record.networks.B, setup.problem.workspace);
+  certificate.stability = prove_stability(record.networks);
   const std::vector<ConditionVerdict> verdicts =
       verdicts_by(method, setup, record, options, progress, covers);
   std::erase_if(certificate.conditions, [&](const ConditionVerdict& old) { return old.method == method; });
@@ -211,7 +213,7 @@ void find_certified_speeds(const PreparedRun& setup, RunRecord& record) {
 void verify_as_configured(const PreparedRun& setup, RunRecord& record, const ProofProgress& progress) {
   const VerificationOptions& options = setup.config.verification;
   for (const Method method : {Method::sampled, Method::conformal, Method::proof})
-    if (method <= options.method) verify(setup, record, method, options, progress);
+    if (method <= options.method.value_or(Method::proof)) verify(setup, record, method, options, progress);
 }
 
 }  // namespace s2nnds

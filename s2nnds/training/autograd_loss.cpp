@@ -3,6 +3,8 @@
 
 #include <torch/autograd.h>
 
+#include <limits>
+
 namespace s2nnds {
 namespace {
 
@@ -52,6 +54,15 @@ void evaluate(Network& network, const torch::Tensor& x, const torch::Tensor& dir
   dot = (gradient * (delta.defined() ? direction + delta : direction)).sum(1);
 }
 
+// What the projection of LossOptions::projection adds to f [N, n] at x; a constant.
+torch::Tensor projection_of(Lyapunov& V, const torch::Tensor& x, const torch::Tensor& f, double decay) {
+  const torch::Tensor point = x.detach().requires_grad_(true), value = V(point);
+  const torch::Tensor gradient = torch::autograd::grad({value.sum()}, {point})[0],
+                      excess = torch::relu((gradient * f.detach()).sum(1) + decay * value.detach()),
+                      square = gradient.square().sum(1).clamp_min(std::numeric_limits<float>::min());
+  return -(excess / square).unsqueeze(1) * gradient;
+}
+
 SampleTensors with_constants(SampleTensors at, const Quantities& constant) {
   if (constant.f) at.f = at.f.detach();
   if (constant.V) at.V = at.V.detach();
@@ -64,7 +75,8 @@ SampleTensors with_constants(SampleTensors at, const Quantities& constant) {
 }  // namespace
 
 SampleTensors quantities_at(Modules& networks, const BatchTensors& batch, Samples set,
-                            const Quantities& needs, const ExecutionDemand& demand) {
+                            const Quantities& needs, const LossOptions& options) {
+  const ExecutionDemand& demand = options.execution;
   const torch::Tensor& x = batch.points(set);
   SampleTensors at;
   at.beside = batch.beside(set);
@@ -79,6 +91,7 @@ SampleTensors quantities_at(Modules& networks, const BatchTensors& batch, Sample
                         torch::zeros_like(gradient));
   };
   const auto perturb_B = [&](const torch::Tensor& gradient) {
+    if (options.projection > 0.0) return projection_of(networks.V, x, at.f, options.projection);
     return of_B ? worst_perturbations(demand.model, gradient, at.f.detach(), jacobian) : none;
   };
   if (needs.any_V()) evaluate(networks.V, x, needs.V_dot ? at.f : none, perturb_V, at.V, at.V_dot);
@@ -99,7 +112,7 @@ LossValue autograd_loss(Modules& networks, const LossTable& table, const LossOpt
     for (const LossPart& part : table) {
       if (counts(part)) needs = needs | part.needs;
     }
-    const SampleTensors at = quantities_at(networks, batch, set, needs, options.execution);
+    const SampleTensors at = quantities_at(networks, batch, set, needs, options);
     for (const LossPart& part : table) {
       if (!counts(part)) continue;
       const torch::Tensor value =

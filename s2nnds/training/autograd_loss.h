@@ -28,7 +28,7 @@ struct LossValue {
 // parameters. The dots come from torch::autograd::grad with create_graph, so a loss on them needs a double
 // backward.
 SampleTensors quantities_at(Modules& networks, const BatchTensors& batch, Samples set,
-                            const Quantities& needs, const ExecutionDemand& demand = {});
+                            const Quantities& needs, const LossOptions& options = {});
 
 // The loss by torch operations and autograd, which the fused engine is compared with.
 LossValue autograd_loss(Modules& networks, const LossTable& table, const LossOptions& options,

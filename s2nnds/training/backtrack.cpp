@@ -11,9 +11,10 @@ namespace {
 constexpr double kSpacing = 0.01;  // a motion passes an X0 smaller than this unseen
 
 Points violating(const Networks& networks, const Points& counterexamples, const BacktrackOptions& options) {
-  const BasicEvaluator<float> f(networks.f), B(networks.B);
+  const BasicDynamicsEvaluator<float> dynamics(networks);
+  const BasicEvaluator<float> B(networks.B);
   Points value, derivative;
-  B.value_and_derivative(counterexamples, f.value(counterexamples), value, derivative);
+  B.value_and_derivative(counterexamples, dynamics.value(counterexamples), value, derivative);
   std::vector<Eigen::Index> last;
   for (Eigen::Index i = counterexamples.rows() - 1; i >= 0; --i) {
     if (std::ssize(last) == options.motions) break;
@@ -36,9 +37,9 @@ Points stacked(const std::vector<Points>& parts, Eigen::Index dimension) {
 
 }  // namespace
 
-std::vector<Points> motions_to(const NetworkWeights& f, const Points& ends, const Box& within,
+std::vector<Points> motions_to(const Dynamics& dynamics, const Points& ends, const Box& within,
                                double spacing) {
-  const BasicEvaluator<float> field(f);
+  const BasicDynamicsEvaluator<float> field(dynamics);
   const auto direction = [&](const Points& x) {
     Points v = field.value(x);
     v.rowwise().normalize();  // leaves a zero as it is
@@ -76,7 +77,7 @@ Backtracked backtrack(const Networks& networks, const SafetyProblem& problem, co
   std::vector<Points> from_initial, others;
   if (counterexamples.rows() > 0) {
     const Points ends = violating(networks, counterexamples, options);
-    for (Points& motion : motions_to(networks.f, ends, problem.workspace, kSpacing)) {
+    for (Points& motion : motions_to(networks.dynamics(), ends, problem.workspace, kSpacing)) {
       const bool passes_initial = problem.initial->level(motion).minCoeff() <= 0.0;
       (passes_initial ? from_initial : others).push_back(std::move(motion));
     }

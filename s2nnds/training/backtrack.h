@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "s2nnds/networks/network_weights.h"
+#include "s2nnds/networks/dynamics.h"
 #include "s2nnds/problem/safety_problem.h"
 
 namespace s2nnds {
@@ -25,10 +25,10 @@ struct BacktrackOptions {
   double gain = 0.5;
 };
 
-// The motions of xdot = f(x) that come to `ends` [N, n], one a row, followed back until they leave the box,
-// or for twice its diagonal: [M, n] each, the end first, `spacing` apart. Midpoint rule on f / |f|, in float:
+// The motions that come to `ends` [N, n], one a row, followed back until they leave the box,
+// or for twice its diagonal: [M, n] each, the end first, `spacing` apart. Midpoint rule on velocity / |velocity|, in float:
 // for training.
-std::vector<Points> motions_to(const NetworkWeights& f, const Points& ends, const Box& within,
+std::vector<Points> motions_to(const Dynamics& dynamics, const Points& ends, const Box& within,
                                double spacing);
 
 // Of `counterexamples` [N, n] the last ones at which Bdot >= 0 and |B| < level_band are taken, and the

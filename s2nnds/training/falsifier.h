@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "s2nnds/problem/region_sampler.h"
 #include "s2nnds/training/counterexample.h"
@@ -47,6 +49,23 @@ class LocalSearchFalsifier : public CounterexampleSource {
   std::vector<RegionSampler> samplers_;
   int starts_;
   int steps_;
+};
+
+// What concerns B alone, in each of X0, Xu and the workspace margin: many uniform points, from the worst of which it
+// climbs. In many dimensions violations are left in places, such as corners, that few points of a search of all
+// conditions hit.
+class RegionFalsifier : public CounterexampleSource {
+ public:
+  // `samples` points of each region, >= 1.
+  RegionFalsifier(const SafetyProblem& problem, std::int64_t samples,
+                  std::int64_t keep = counterexamples_kept);
+  bool only_when_clean() const override { return true; }
+  Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
+                       std::uint64_t seed, std::int64_t round) override;
+
+ private:
+  std::vector<std::pair<Condition, RegionSampler>> regions_;
+  std::int64_t samples_, keep_;
 };
 
 }  // namespace s2nnds

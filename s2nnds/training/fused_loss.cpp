@@ -11,6 +11,7 @@
 #include "s2nnds/conditions/worst_perturbation.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
+#include "s2nnds/networks/dynamics.h"
 
 namespace s2nnds {
 namespace {
@@ -95,10 +96,14 @@ FusedLoss<T>::FusedLoss(const NetworkShape& f, const NetworkShape& V, const Netw
         "fused loss: f has {} inputs and {} outputs, V {} inputs, B {} inputs and {} outputs, expected n, "
         "n, n, n, 1",
         f_.inputs(), f_.outputs(), V_.inputs(), B_.inputs(), B_.outputs());
-  check(f.head != Head::squared_norm && V.head != Head::zero_at_origin && B.head == Head::plain &&
-            (V.head == Head::squared_norm || V_.outputs() == 1),
-        "fused loss: found heads {}, {}, {}, expected zero_at_origin or plain, squared_norm or plain, plain",
+  check(!is_sum_of_squares(f.head) && V.head != Head::zero_at_origin && B.head == Head::plain &&
+            (is_sum_of_squares(V.head) || V_.outputs() == 1) &&
+            (V.head != Head::diffeomorphism || V_.outputs() == dimension_),
+        "fused loss: found heads {}, {}, {}, expected zero_at_origin or plain, a sum of squares or plain, "
+        "plain",
         to_string(f.head), to_string(V.head), to_string(B.head));
+  check(options.projection == 0.0 || (V.head == Head::diffeomorphism && !options.execution.asks_of_barrier()),
+        "fused loss: found a projected f with a V that is no diffeomorphism, or with an execution model");
   const auto products = [](const FusedNetwork<T>& network) {
     return static_cast<double>(network.parameters());
   };
@@ -210,9 +215,30 @@ const T* FusedLoss<T>::direction_of_V(Chunk& chunk, const Quantities& needs, con
 }
 
 template <typename T>
+const T* FusedLoss<T>::projected_velocity(Chunk& chunk, const Quantities& needs, const T* x,
+                                          ptrdiff_t rows) const {
+  const ptrdiff_t n = dimension_;
+  if (!needs.any_V()) {
+    chunk.V.forward(rows, x, nullptr, chunk.features.data(), nullptr);
+    finish_V(chunk, false, x, nullptr, rows);
+  }
+  // grad |phi|^2 = 2 (I + J)' phi, J the Jacobian of V's layers.
+  chunk.V.pull_back(chunk.features.data(), chunk.gradient.data());
+  for (ptrdiff_t i = 0; i < rows * n; ++i) {
+    chunk.gradient[i] = T(2) * (chunk.gradient[i] + chunk.features[i]);
+    chunk.direction_B[i] = chunk.velocity[i];
+  }
+  for (ptrdiff_t s = 0; s < rows; ++s)
+    project_velocity(n, chunk.gradient.data() + s * n, chunk.value(0)[s], options_.projection,
+                     chunk.direction_B.data() + s * n);
+  return chunk.direction_B.data();
+}
+
+template <typename T>
 const T* FusedLoss<T>::direction_of_B(Chunk& chunk, const Quantities& needs, const T* x,
                                       ptrdiff_t rows) const {
   if (!needs.B_dot) return nullptr;
+  if (options_.projection > 0.0) return projected_velocity(chunk, needs, x, rows);
   if (!options_.execution.asks_of_barrier()) return chunk.velocity.data();
   const ptrdiff_t n = dimension_;
   for_axes(chunk.axis, n, rows, [&](ptrdiff_t k, const T* axis) {
@@ -228,14 +254,16 @@ template <typename T>
 void FusedLoss<T>::finish_V(Chunk& chunk, bool wants_V_dot, const T* x, const T* direction,
                             ptrdiff_t rows) const {
   const ptrdiff_t n = dimension_, m = V_.outputs();
-  const bool squared = shape_V_.head == Head::squared_norm;
+  const bool squared = is_sum_of_squares(shape_V_.head), adds_x = shape_V_.head == Head::diffeomorphism;
   for (ptrdiff_t s = 0; s < rows; ++s) {
     T* feature = chunk.features.data() + s * m;
-    const T* tangent = chunk.tangent.data() + s * m;
+    T* tangent = chunk.tangent.data() + s * m;
     double V = squared ? 0.0 : static_cast<double>(feature[0]), V_dot = 0.0;
     if (squared) {
       for (ptrdiff_t j = 0; j < m; ++j) {
         feature[j] -= V_at_origin_[j];
+        if (adds_x) feature[j] += x[s * n + j];
+        if (adds_x && wants_V_dot) tangent[j] += direction[s * n + j];
         V += static_cast<double>(feature[j]) * static_cast<double>(feature[j]);
       }
       for (ptrdiff_t k = 0; k < n; ++k) {
@@ -268,7 +296,7 @@ void FusedLoss<T>::start_back_V(Chunk& chunk, const Quantities& needs, ptrdiff_t
     const T* tangent = chunk.tangent.data() + s * m;
     T* feature_adjoint = chunk.features_adjoint.data() + s * m;
     T* tangent_adjoint = chunk.tangent_adjoint.data() + s * m;
-    if (shape_V_.head != Head::squared_norm) {
+    if (!is_sum_of_squares(shape_V_.head)) {
       feature_adjoint[0] = static_cast<T>(by_V);
       tangent_adjoint[0] = static_cast<T>(by_V_dot);
       continue;
@@ -344,6 +372,8 @@ void FusedLoss<T>::run_tile(Chunk& chunk, const Work& work, const BatchView<T>& 
       for (ptrdiff_t i = 0; i < rows * n; ++i)
         velocity_adjoint[i] += static_cast<T>(2.0 * shape_V_.quadratic * chunk.adjoint(1)[i / n]) * x[i];
       add_part();
+      for (ptrdiff_t i = 0; i < rows * n && shape_V_.head == Head::diffeomorphism; ++i)
+        velocity_adjoint[i] += chunk.tangent_adjoint[i];
     }
   }
   if (needs.any_B()) {
@@ -372,7 +402,7 @@ void FusedLoss<T>::run_origins() {
     tile.backward((chunk.*adjoint).data(), nullptr, nullptr);
   };
   if (shape_f_.head == Head::zero_at_origin) go_back(chunk.f, &Chunk::f_origin_adjoint, f_at_origin_);
-  if (shape_V_.head == Head::squared_norm) go_back(chunk.V, &Chunk::V_origin_adjoint, V_at_origin_);
+  if (is_sum_of_squares(shape_V_.head)) go_back(chunk.V, &Chunk::V_origin_adjoint, V_at_origin_);
 }
 
 template <typename T>

@@ -30,7 +30,7 @@ struct NetworkShape {
 // A table's loss and its gradients in closed form, in one pass over the batch: every tile of samples goes
 // forward through the networks it concerns, its loss is differentiated, and it goes back, all in cache. Tiles
 // are shared out over a fixed number of chunks, whose gradients are summed in order, so that the result does
-// not depend on the number of threads. f may be zero_at_origin or plain, V squared_norm or plain, B plain.
+// not depend on the number of threads. f may be zero_at_origin or plain, V a sum of squares or plain, B plain.
 template <typename T>
 class FusedLoss {
  public:
@@ -70,6 +70,8 @@ class FusedLoss {
   // f(x) with what LossOptions::execution adds to it at worst for V or B: the direction of Vdot and Bdot.
   const T* direction_of_V(Chunk& chunk, const Quantities& needs, const T* x, std::ptrdiff_t rows) const;
   const T* direction_of_B(Chunk& chunk, const Quantities& needs, const T* x, std::ptrdiff_t rows) const;
+  // f(x) projected as LossOptions::projection says, from chunk's V and its features.
+  const T* projected_velocity(Chunk& chunk, const Quantities& needs, const T* x, std::ptrdiff_t rows) const;
   void perturb(Chunk& chunk, std::ptrdiff_t rows, std::vector<T>& directions) const;
   void finish_V(Chunk& chunk, bool wants_V_dot, const T* x, const T* direction, std::ptrdiff_t rows) const;
   void start_back_V(Chunk& chunk, const Quantities& needs, std::ptrdiff_t rows) const;

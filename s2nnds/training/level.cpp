@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "s2nnds/conditions/worst_perturbation.h"
-#include "s2nnds/networks/evaluator.h"
+#include "s2nnds/networks/dynamics.h"
 
 namespace s2nnds {
 namespace {
@@ -50,7 +50,7 @@ std::optional<double> LevelChoice::largest(const Networks& networks, RandomStrea
     if (std::abs(values(i, 0)) <= options_.reach + 2.0 * options_.level_band) near.push_back(i);
   }
   if (near.empty()) return high;
-  const Points x = all(near, Eigen::all), velocity = f.value(x);
+  const Points x = all(near, Eigen::all), velocity = BasicDynamicsEvaluator<float>(networks).value(x);
   Points value, derivative;
   B.value_and_derivative(x, velocity, value, derivative);
   if (options_.execution.asks_of_barrier())

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "s2nnds/core/check.h"
@@ -18,6 +19,7 @@
 #include "s2nnds/training/flat_adam.h"
 #include "s2nnds/training/joint_loss.h"
 #include "s2nnds/training/level.h"
+#include "s2nnds/training/lipschitz_limit.h"
 #include "s2nnds/training/loss_table.h"
 #include "s2nnds/training/plan.h"
 #include "s2nnds/training/smoothed_velocity.h"
@@ -46,6 +48,9 @@ constexpr double kRateAtEnd = 0.05;
 constexpr std::int64_t kRateRise = 50;
 
 constexpr std::int64_t kStarts = 32;  // in X0, whose motions are like those of the demonstrations
+
+// Of power iteration from fixed vectors; from step to step one is enough.
+constexpr int kFirstIterations = 30;
 
 // Of the change of a round that did not end clean, what is tried instead.
 constexpr double kParts[] = {0.5, 0.25};
@@ -110,7 +115,21 @@ void append(Backtracked& to, const VelocityTargets& more) {
 
 // The networks whose weights lie between those of a (part 0) and b (part 1).
 Networks between(const Networks& a, const Networks& b, double part) {
-  return {between(a.f, b.f, part), between(a.V, b.V, part), between(a.B, b.B, part)};
+  return {between(a.f, b.f, part), between(a.V, b.V, part), between(a.B, b.B, part), a.decay};
+}
+
+// In more dimensions than this nearly all uniform points lie next to the workspace's edge, where the margin must be
+// kept: labels of their rollouts count this much as usual.
+constexpr std::int64_t kFewDimensions = 4;
+constexpr double kLabelsInMany = 0.1;
+
+// Motions of a projected f converge whatever they pass: what f is taught along those that are followed back would only
+// spoil it.
+TrainerOptions adjusted(TrainerOptions options, const VectorFieldOptions& f, std::int64_t dimension) {
+  options.loss.projection = f.projection();
+  if (options.loss.projection > 0.0) options.backtrack = false;
+  if (dimension > kFewDimensions) options.loss.weight[LossTerm::rollout_safety] *= kLabelsInMany;
+  return options;
 }
 
 bool keeps(const RoundPlan& round, const RoundSummary& row) {
@@ -124,7 +143,11 @@ class Descent {
       : parameters_{modules.f->network->theta, modules.V->network->theta, modules.B->network->theta},
         rates_{options.rate_f, options.rate_certificates, options.rate_certificates},
         optimizers_{FlatAdam(options.weight_decay), FlatAdam(0.0), FlatAdam(0.0)},
-        first_trained_(only_barrier ? 2 : 0) {}
+        first_trained_(only_barrier ? 2 : 0) {
+    if (only_barrier || modules.V->head() != Head::diffeomorphism) return;
+    limit_.emplace(modules.V->network->shapes(), modules.V->lipschitz());
+    limit_->keep(parameters_[1].data_ptr<float>(), kFirstIterations);
+  }
 
   // One step of the networks that are trained, at `factor` times their rates.
   void step(const torch::Tensor& loss, double factor) {
@@ -134,6 +157,11 @@ class Descent {
       optimizers_[k].step(factor * rates_[k], parameters_[k].numel(), parameters_[k].grad().data_ptr<float>(),
                           parameters_[k].data_ptr<float>());
     }
+    if (limit_) limit_->keep(parameters_[1].data_ptr<float>(), 1);
+  }
+  // After the last step.
+  void finish() {
+    if (limit_) limit_->keep(parameters_[1].data_ptr<float>(), kFirstIterations);
   }
 
  private:
@@ -141,6 +169,7 @@ class Descent {
   std::array<double, 3> rates_;
   std::array<FlatAdam, 3> optimizers_;
   std::size_t first_trained_;
+  std::optional<LipschitzLimit> limit_;  // of V's layers
 };
 
 }  // namespace
@@ -151,7 +180,7 @@ class Trainer::Impl {
        const NetworkOptions& networks, const TrainerOptions& options, std::uint64_t seed)
       : problem_(problem),
         network_options_(networks),
-        options_(options),
+        options_(adjusted(options, networks.f, problem.dimension())),
         seed_(seed),
         sampler_(make_sampler(problem, demonstrations, options, seed)),
         level_(problem, {.level_band = options.level_band,
@@ -195,7 +224,8 @@ class Trainer::Impl {
   }
 
   Networks networks() const {
-    return {modules_.f->snapshot(), modules_.V->snapshot(), modules_.B->snapshot()};
+    return {modules_.f->snapshot(), modules_.V->snapshot(), modules_.B->snapshot(),
+            network_options_.f.projection()};
   }
 
   TrainerState state() const { return {networks(), sampler_.pools(), history_}; }
@@ -296,6 +326,7 @@ class Trainer::Impl {
       row.loss += share * value.total.item<double>();
       for (const LossTerm term : all_loss_terms) row.loss_terms[term] += share * value.terms[term];
     }
+    descent.finish();
   }
 
   // B alone is trained on what the search after the round found, and the search made anew.
@@ -312,11 +343,19 @@ class Trainer::Impl {
     const RoundSummary whole = row;
     for (const double part : kParts) {
       set_networks(between(before, after, part));
+      keep_lipschitz();
       search_anew(row);
       if (keeps(round, row)) return;
     }
     set_networks(before);
     row = whole;
+  }
+
+  // Between two V within the limit there may be one beyond it.
+  void keep_lipschitz() {
+    if (modules_.V->head() != Head::diffeomorphism) return;
+    LipschitzLimit(modules_.V->network->shapes(), modules_.V->lipschitz())
+        .keep(modules_.V->network->theta.data_ptr<float>(), kFirstIterations);
   }
 
   void search_anew(RoundSummary& row) {
@@ -352,7 +391,7 @@ class Trainer::Impl {
     const Points starts = only_undecided
                               ? not_settled(sampler_.uniform(kMoreLabels * options_.rollout_points, random))
                               : sampler_.uniform(options_.rollout_points, random);
-    const std::vector<bool> is_safe = labels(modules_.f->snapshot(), starts);
+    const std::vector<bool> is_safe = labels(networks().dynamics(), starts);
     std::vector<Eigen::Index> safe, unsafe_rollouts;
     for (Eigen::Index i = 0; i < starts.rows(); ++i) (is_safe[i] ? safe : unsafe_rollouts).push_back(i);
     row.safe_share = static_cast<double>(safe.size()) / static_cast<double>(starts.rows());
@@ -367,7 +406,7 @@ class Trainer::Impl {
                         sampler_.velocity(), {.level_band = options_.level_band});
     }
     if (corrections && !now.only_barrier)
-      append(found, corrections(modules_.f->snapshot(), std::ssize(history_)));
+      append(found, corrections(networks().dynamics(), std::ssize(history_)));
     sampler_.set_backtracked(std::move(found));
   }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "s2nnds/networks/dynamics.h"
 #include "s2nnds/networks/network_options.h"
 #include "s2nnds/problem/start_paths.h"
 #include "s2nnds/training/batch_sampler.h"
@@ -34,12 +35,12 @@ struct TrainerSummary {
   double seconds = 0.0;               // of training, as RoundSummary::seconds
 };
 
-// Labels starts [N, n] by their rollouts under f: true where safe and reaching the goal.
-using RolloutLabels = std::function<std::vector<bool>(const NetworkWeights& f, const Points& starts)>;
+// Labels starts [N, n] by their rollouts: true where safe and reaching the goal.
+using RolloutLabels = std::function<std::vector<bool>(const Dynamics& dynamics, const Points& starts)>;
 
-// What the motions of f that leave the demonstrations' way, from these or from X0, should be corrected to;
+// What the motions that leave the demonstrations' way, from these or from X0, should be corrected to;
 // drawn anew for each round.
-using MotionCorrections = std::function<VelocityTargets(const NetworkWeights& f, std::int64_t round)>;
+using MotionCorrections = std::function<VelocityTargets(const Dynamics& dynamics, std::int64_t round)>;
 
 // What is looked at after a round besides counterexamples: fills in deviation (where the round was clean),
 // islands and equilibria.

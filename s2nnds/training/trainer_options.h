@@ -30,7 +30,7 @@ struct LossOptions {
       5.0,   // lyapunov
       2.0,   // barrier_sets
       5.0,   // barrier_decrease
-      1.0,   // rollout_safety
+      1.0,   // rollout_safety; in five and more dimensions a tenth of it counts
       // obstacle_normal. Motions that would meet the obstacle turn aside before it, which leaves more of the
       // workspace safe. Not all can: V falls along every motion, so followed backwards those that end at the
       // obstacle come from the workspace's edge. The gap through which they come gets narrower, and the
@@ -50,6 +50,10 @@ struct LossOptions {
   double leak = 0.0;  // paper: alpha, the slope of the leaky ReLU below 0, in [0, 1]; 0: relu
   // No key: follows from [execution]. Vdot and Bdot are those of the worst motion that it admits.
   ExecutionDemand execution = {};
+  // No key: follows from networks.f. kappa of a projected f, >= 0; 0: it is not. Bdot is along the projected
+  // velocity, whose difference from f(x) counts as constant; all else is of f itself, so that little is left to
+  // the projection.
+  double projection = 0.0;
 
   void visit(FieldVisitor& v);  // names every key and its range
 };
@@ -86,9 +90,10 @@ struct TrainerOptions {
   std::int64_t rate_period = 10;
   // First rounds of the search that train B alone, >= 0: for networks that come from a like scene.
   std::int64_t barrier_rounds = 0;
-  bool relax_weights = true;     // with every new start imitation, rollout_safety, obstacle_normal weigh less
-  bool refine = true;            // a round after one that was nearly clean trains carefully
-  bool backtrack = true;         // motions that violate a condition are followed back and corrected
+  bool relax_weights = true;  // with every new start imitation, rollout_safety, obstacle_normal weigh less
+  bool refine = true;         // a round after one that was nearly clean trains carefully
+  // Motions that violate a condition are followed back and corrected; not where f is projected
+  bool backtrack = true;
   double max_level_shift = 0.1;  // of B after a round, to a better level without violations, >= 0; 0: none
   std::int64_t imitation_finetune_rounds = 10;  // rounds after a clean one that fit f more closely, >= 0
   std::int64_t enlarge_rounds = 13;    // rounds after these that train B alone, for a larger safe set, >= 0

@@ -65,6 +65,14 @@ void OrientationCertificate::visit(FieldVisitor& v) {
   v.field("tool_clear", tool_clear);
 }
 
+void StabilityCertificate::visit(FieldVisitor& v) {
+  v.field("proved", proved);
+  v.field("decay", decay, at_least(0));
+  v.field("lipschitz", lipschitz, at_least(0));
+  v.field("overshoot", overshoot, at_least(0));
+  v.field("reason", reason);
+}
+
 void Certificate::visit(FieldVisitor& v) {
   visit_enum(v, "guarantee", guarantee);
   v.field("weight_hash", weight_hash);
@@ -80,6 +88,7 @@ void Certificate::visit(FieldVisitor& v) {
   v.field("statement", statement);
   v.group("execution", execution);
   v.group("orientation", orientation);
+  v.group("stability", stability);
   side.visit(v);
   v.list("conditions", conditions);
 }

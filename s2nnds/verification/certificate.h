@@ -132,6 +132,19 @@ struct OrientationCertificate {
   void visit(FieldVisitor& v);  // names each field once
 };
 
+// What is known of all motions of a projected f (stability.h), whatever the conditions' verdicts are: that they converge
+// to the goal from anywhere in R^n.
+struct StabilityCertificate {
+  bool proved = false;  // it is so
+  double decay =
+      0.0;  // kappa, 1 / normalised time: V falls at least as fast as e^(-kappa t); 0: f is not projected
+  double lipschitz = 0.0;   // L: above the Lipschitz constant of phi(x) - x, V = |phi|^2
+  double overshoot = 0.0;   // (1 + L) / (1 - L): |x(t)| <= overshoot e^(-kappa t / 2) |x(0)|; 0: not proved
+  std::string reason = {};  // why it was not proved; "" if it was, and where f is not projected
+
+  void visit(FieldVisitor& v);  // names each field once
+};
+
 // What is known of a run's networks, and how it was found out.
 struct Certificate {
   Guarantee guarantee = Guarantee::none;  // the strongest that the verdicts support (guarantee_of)
@@ -150,6 +163,7 @@ struct Certificate {
   ExecutionCertificate execution;            // of the motion as executed, found by the last proof
   SideConditions side;                       // found by the last proof
   OrientationCertificate orientation;        // found by the last proof
+  StabilityCertificate stability;            // found by the last check of any method
 
   void visit(FieldVisitor& v);  // names each field once
 };

@@ -348,6 +348,10 @@ void ProofOptions::visit(FieldVisitor& v) {
 }
 
 ProofFunctions ProofFunctions::of(const Networks& networks) {
+  check(
+      !networks.is_projected() && networks.V.head != Head::diffeomorphism,
+      "proof: found a projected f or a V that is a diffeomorphism, which the prover does not know; expected "
+      "--method conformal or sampled");
   return {std::make_shared<NetworkFunction>(networks.f), std::make_shared<NetworkFunction>(networks.V),
           std::make_shared<NetworkFunction>(networks.B)};
 }

@@ -80,7 +80,8 @@ Vector propagate(const NetworkWeights& network, const Format& format, const Vect
 double largest_error(const NetworkWeights& network, const Format& format, const Box& box) {
   const StandardFloatingPoint mode;
   network.check();
-  check(network.head != Head::squared_norm, "rounding error: found the head squared_norm, expected another");
+  check(!is_sum_of_squares(network.head),
+        "rounding error: found the head {}, expected plain or zero_at_origin", to_string(network.head));
   const Eigen::Index n = box.dimension();
   check(n == network.input_dimension() && box.is_finite(),
         "rounding error: expected a bounded box of dimension {}", network.input_dimension());

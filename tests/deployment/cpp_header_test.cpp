@@ -109,7 +109,7 @@ class CppHeader : public testing::Test {
     write_policy(networks, "header", path("policy.h"), precision);
     const Points z = Points::NullaryExpr(300, n, [&] { return random_.uniform(-1.25, 1.5); });
     const Answers found = ask(positions(z), flags);
-    EXPECT_LE((found.velocity / 25.0 - networks.f.value(z)).rowwise().norm().maxCoeff(), allowed) << flags;
+    EXPECT_LE((found.velocity / 25.0 - networks.velocity(z)).rowwise().norm().maxCoeff(), allowed) << flags;
     const Vector lyapunov = networks.V.value(z).col(0), barrier = networks.B.value(z).col(0);
     EXPECT_LE((found.lyapunov - lyapunov).cwiseAbs().maxCoeff(), 1e-12 * lyapunov.cwiseAbs().maxCoeff())
         << flags;
@@ -147,6 +147,25 @@ TEST_F(CppHeader, FloatStaysWithinTheCertificatesBoundNearlyTightly) {
   networks.f.head = Head::zero_at_origin;
   for (const char* flags : {"-O0", "-O2", kFast, "-O2 -DPOLICY_WITHOUT_VECTORS"}) {
     expect_same(networks, HeaderPrecision::float32, std::min(float_bound(networks.f), 5e-6), flags);
+  }
+}
+
+// A projection never widens the distance of two velocities, so that f's bound applies.
+TEST_F(CppHeader, AProjectedFIsProjectedInDouble) {
+  for (const int n : {2, 7}) {
+    for (const Activation activation : {Activation::tanh, Activation::elu}) {
+      Networks networks = random_networks(n, activation, random_);
+      networks.V = random_stack({n, 20, 33, n}, activation, true, false, random_);
+      for (Layer& layer : networks.V.layers) layer.weight *= 0.4;
+      networks.V.head = Head::diffeomorphism;
+      networks.decay = 0.8;
+      const Points z = Points::NullaryExpr(300, n, [&] { return random_.uniform(-1.25, 1.5); });
+      EXPECT_GT((networks.velocity(z) - networks.f.value(z)).rowwise().norm().mean(), 0.1);
+      expect_same(networks, HeaderPrecision::float32, float_bound(networks.f) * 1.01, n == 2 ? kFast : "-O1");
+      expect_same(networks, HeaderPrecision::float64, 1e-12, n == 2 ? "-O2" : kFast);
+      const Answers goal = ask(positions(Points::Zero(1, n)), kFast);
+      EXPECT_LE(goal.velocity.norm(), 1e-12);
+    }
   }
 }
 

@@ -76,6 +76,14 @@ TEST_F(EveryFormat, CarriesEveryField) {
   }
 }
 
+TEST_F(EveryFormat, RefusesAProjectionThatItDoesNotSayOrCannotMake) {
+  policy_.networks.decay = 0.5;
+  policy_.info.weight_hash = weight_hash(policy_.networks);
+  expect_refused(policy_, "decay");  // V is no diffeomorphism, and nothing is said of it
+  policy_.info.decay = 1.0;
+  expect_refused(policy_, "diffeomorphism");
+}
+
 TEST_F(EveryFormat, RefusesWeightsOtherThanThoseCertified) {
   policy_.networks.f.layers[0].weight(0, 0) += 1e-9;
   expect_refused(policy_, "the certificate speaks of");

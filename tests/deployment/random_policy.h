@@ -32,8 +32,10 @@ inline NetworkWeights random_stack(const std::vector<int>& sizes, Activation act
   return stack;
 }
 
-// Where the goal of a random policy lies, far from the origin, up to 3-D.
-inline Vector far_goal(Eigen::Index n) { return Vector{{512.0, -256.0, 384.0}}.head(n); }
+// Where the goal of a random policy lies, far from the origin, up to 7-D.
+inline Vector far_goal(Eigen::Index n) {
+  return Vector{{512.0, -256.0, 384.0, 128.0, -64.0, 320.0, -448.0}}.head(n);
+}
 
 // The positions of normalised points in the data's frame of a random policy.
 inline Points positions(const Points& normalised) {
@@ -65,6 +67,7 @@ inline Policy random_policy(const Networks& networks) {
   info.disturbance_margin = 6.25;
   info.convergence_radius = 3.5;
   info.float32_error = 2.5e-4;
+  info.decay = networks.decay * info.velocity_scale / info.position_scale;
   const Vector corner = Vector::Constant(info.dimension, 1.5);
   info.barrier_float32_error = float32_error(networks.B, {-corner, corner});
   info.barrier_float64_error = float64_error(networks.B, {-corner, corner});

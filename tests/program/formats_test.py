@@ -235,13 +235,13 @@ class FormatsTest(ProgramTest):
                 if name != "torchscript, float64":  # its weights are rounded to float32 or happen not to be
                     self.assertLess(bound, 1e4 * largest)
 
-    def assert_formats_agree(self, title, path):
+    def assert_formats_agree(self, title, path, formats=None):
         run, rng = Run(path), np.random.default_rng(3)
         # Positions that float32 holds, some of them outside of the workspace.
         points = rng.uniform(1.2 * run.problem.workspace_lower, 1.2 * run.problem.workspace_upper, (1008, run.dimension))
         points = run.data.to_data(points).astype(np.float32).astype(float)
         export = self.exporter(path)
-        for name, reader in FORMATS.items():
+        for name, reader in (formats or FORMATS).items():
             with self.subTest(run=title, format=name):
                 try:
                     policy = reader(export, self.folder)
@@ -267,6 +267,21 @@ class FormatsTest(ProgramTest):
         for f in ("tanh", "silu"):
             changes = {"networks.f.activation": f'"{f}"'}
             self.assert_formats_agree(f"3-D, {f}", self.trained(changes=changes, config=HELIX))
+
+    def test_a_projected_motion(self):
+        projected = {"networks.f.form": '"projected"', "networks.f.decay": 2.0}
+        able = {name: reader for name, reader in FORMATS.items() if name.startswith(("header", "onnx"))}
+        self.assertGreaterEqual(len(able), 3)
+        for config, title in ((command_line.SINE, "2-D, projected"), (HELIX, "3-D, projected")):
+            path = self.trained(changes=projected, config=config)
+            run, rng = Run(path), np.random.default_rng(4)
+            z = rng.uniform(run.problem.workspace_lower, run.problem.workspace_upper, (500, run.dimension))
+            changed = np.linalg.norm(run.f(z) - run.f.network(z), axis=1)
+            self.assertGreater(np.mean(changed > 1e-3), 0.05)  # so that it matters
+            self.assertGreater(np.mean(changed == 0.0), 0.05)
+            self.assert_formats_agree(title, path, able)
+            for kind in ("pt2", "torchscript"):
+                self.assert_refused(self.call("export", path, "--format", kind), kind, "projected", "header")
 
     def test_wide_networks(self):
         changes = {"networks.f.hidden": "[64, 64, 64]", "networks.V.hidden": "[64, 64]", "networks.B.hidden": "[64, 64]"}

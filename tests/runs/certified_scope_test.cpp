@@ -85,6 +85,41 @@ TEST_F(CertifiedScope, EveryEditOfWhatTheCertificateDependsOnIsNoticed) {
   }
 }
 
+// What is proved of a projected f is bound to its weights and its decay as all else is.
+TEST_F(CertifiedScope, OfAProjectedFHoldsItsStability) {
+  record.networks.V = {{{0.5 * Points::Identity(2, 2), {}, Activation::tanh}}, Head::diffeomorphism};
+  record.networks.decay = 0.3;
+  std::string& resolved = record.config.resolved;
+  replace(resolved, "form = \"plain\"", "form = \"projected\"\ndecay = 0.3");
+  replace(resolved, "form = \"squared_norm\"", "form = \"diffeomorphism\"");
+  replace(resolved, "features = 32\n", "");
+  replace(resolved, "quadratic = 0.05\n", "lipschitz = 0.95\n");
+  replace(resolved, "method = \"proof\"", "method = \"sampled\"");
+  const PreparedRun setup = prepare(record);
+  VerificationOptions options = setup.config.verification;
+  options.sampled.samples = 1000;
+  verify(setup, record, Method::sampled, options);
+  EXPECT_TRUE(record.certificate.stability.proved) << record.certificate.stability.reason;
+  EXPECT_GE(record.certificate.stability.overshoot, 3.0);
+  EXPECT_LT(record.certificate.stability.overshoot, 3.02);
+  EXPECT_TRUE(record.certificate.statement.starts_with("Stability is proved: every motion"))
+      << record.certificate.statement;
+  EXPECT_EQ(message([](RunRecord&) {}), "");
+  for (const auto& edit : std::vector<std::function<void(RunRecord&)>>{
+           [](RunRecord& r) { r.networks.decay = 0.2; }, [](RunRecord& r) { r.networks.decay = 0.0; },
+           [](RunRecord& r) { r.networks.V.layers[0].weight *= 3.0; },
+           [](RunRecord& r) { r.certificate.stability.decay = 3.0; },
+           [](RunRecord& r) { r.certificate.stability.overshoot = 1.0; },
+           [](RunRecord& r) { r.certificate.stability.lipschitz = 0.1; }})
+    EXPECT_TRUE(message(edit).starts_with("run.h5: found "));
+  EXPECT_THROW(verify(setup, record, Method::proof, options), Error);
+  record.networks.V.layers[0].weight *= 3.0;
+  verify(setup, record, Method::sampled, options);
+  EXPECT_FALSE(record.certificate.stability.proved);
+  EXPECT_TRUE(record.certificate.statement.starts_with("Stability is NOT proved: "))
+      << record.certificate.statement;
+}
+
 TEST_F(CertifiedScope, VerifyingAnEditedRunBeginsANewCertificate) {
   record.networks.f.layers[0].weight *= -1.0;
   const PreparedRun setup = prepare(record);

@@ -46,6 +46,27 @@ TEST(Statement, OfNothingPromisesNothingAndSaysWhy) {
   EXPECT_TRUE(says(record, "Nothing is guaranteed. The proof refuted: barrier_decrease."));
 }
 
+TEST(Statement, KeepsStabilityAndSafetyApart) {
+  RunRecord record = record_with(Guarantee::conformal);
+  EXPECT_EQ(stability_sentence(record), "");
+  record.certificate.stability = {.proved = true, .decay = 0.1, .lipschitz = 0.9, .overshoot = 19.0};
+  record.certificate.conditions = {verdict_of(Condition::unsafe, Method::conformal, Verdict::passed)};
+  record.certificate.conditions[0].epsilon = 1e-4;
+  record.certificate.conditions[0].beta = 2e-5;
+  // 0.1 a normalised time of 0.8 s.
+  EXPECT_TRUE(
+      says(record,
+           "Stability is proved: every motion of x' = f(x), from any state, converges to the goal (V falls "
+           "at least as fast as exp(-0.1249 t), t in s). With confidence 1 - 2e-05, each condition"))
+      << guarantee_statement(record);
+  EXPECT_TRUE(says(record, "a motion that converges may meet it"));
+  record.certificate.guarantee = Guarantee::none;
+  EXPECT_TRUE(says(record, "Stability is proved"));
+  EXPECT_TRUE(says(record, "Nothing is guaranteed"));
+  record.certificate.stability = {.decay = 0.1, .reason = "it is not so"};
+  EXPECT_TRUE(says(record, "Stability is NOT proved: it is not so."));
+}
+
 TEST(Statement, OfSamplesNamesNumberAndSeed) {
   RunRecord record = record_with(Guarantee::sampled);
   record.certificate.conditions = {verdict_of(Condition::unsafe, Method::sampled, Verdict::passed)};

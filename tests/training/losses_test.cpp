@@ -17,7 +17,7 @@ struct Case {
   BatchTensors batch;
 
   Case(std::uint64_t seed, bool paper, torch::Dtype dtype = torch::kFloat64,
-       const std::string& activation = "", std::int64_t dimension = 0) {
+       const std::string& activation = "", std::int64_t dimension = 0, bool stable = false) {
     RandomStream random(seed, "losses test");
     const auto between = [&](int low, int high) {
       return low + static_cast<std::int64_t>(random.below(static_cast<std::size_t>(high - low + 1)));
@@ -25,6 +25,7 @@ struct Case {
     const std::vector<std::string> smooth = {"tanh", "softplus", "silu", "sine"};
     const std::int64_t n = dimension > 0 ? dimension : between(2, 4);
     NetworkOptions options = paper ? paper_networks() : NetworkOptions();
+    if (stable) options.V.form = "diffeomorphism";
     for (MlpOptions* network : {&options.f.network, &options.V.network, &options.B.network}) {
       network->hidden.resize(between(1, 3));
       for (std::int64_t& width : network->hidden) width = between(3, 40);
@@ -230,6 +231,61 @@ std::vector<EngineCase> engine_cases() {
 INSTANTIATE_TEST_SUITE_P(All, Engines, testing::ValuesIn(engine_cases()), [](const auto& test) {
   return test.param.activation + std::to_string(test.param.dimension) + test.param.kind +
          (test.param.dtype == torch::kFloat64 ? "Double" : "Float") + (test.param.executed ? "Executed" : "");
+});
+
+struct StableCase {
+  std::string activation;
+  std::int64_t dimension;
+  torch::Dtype dtype;
+  double projection;
+};
+
+class StableEngines : public testing::TestWithParam<StableCase> {};
+
+// The same with V a diffeomorphism, and B along the projected velocity.
+TEST_P(StableEngines, AgreeOnLossAndGradients) {
+  const auto& [activation, dimension, dtype, projection] = GetParam();
+  LossOptions options;
+  options.projection = projection;
+  options.band_width = 2.0;
+  const double tolerance = dtype == torch::kFloat64 ? 1e-10 : 2e-5;
+  for (const Trains trains : {Trains::all, Trains::barrier}) {
+    const Case c(5, false, dtype, activation, dimension, true);
+    const LossValue fused = c.loss(loss_table(options), options, Engine::fused, trains),
+                    reference = c.loss(loss_table(options), options, Engine::autograd, trains);
+    const double value = reference.total.item<double>();
+    EXPECT_NEAR(fused.total.item<double>(), value, tolerance * std::abs(value));
+    for (const LossTerm term : all_loss_terms)
+      EXPECT_NEAR(fused.terms[term], reference.terms[term], tolerance * std::abs(value)) << to_string(term);
+    const auto gradient = c.gradients(fused.total), expected = c.gradients(reference.total);
+    for (std::size_t i = trains == Trains::all ? 0 : 2; i < gradient.size(); ++i) {
+      const double size = expected[i].norm().item<double>();
+      EXPECT_GT(size, 0.0);
+      EXPECT_LE((gradient[i] - expected[i]).norm().item<double>(), tolerance * size) << "network " << i;
+    }
+    if (projection == 0.0) continue;
+    options.projection = 0.0;
+    EXPECT_NE(c.loss(loss_table(options), options, Engine::fused, trains).terms[LossTerm::barrier_decrease],
+              fused.terms[LossTerm::barrier_decrease]);
+    options.projection = projection;
+  }
+}
+
+std::vector<StableCase> stable_cases() {
+  std::vector<StableCase> all;
+  for (const char* activation : {"tanh", "elu", "softplus", "sine"}) {
+    for (std::int64_t dimension : {2, 7}) {
+      for (torch::Dtype dtype : {torch::kFloat32, torch::kFloat64}) {
+        for (const double projection : {0.0, 0.3}) all.push_back({activation, dimension, dtype, projection});
+      }
+    }
+  }
+  return all;
+}
+INSTANTIATE_TEST_SUITE_P(All, StableEngines, testing::ValuesIn(stable_cases()), [](const auto& test) {
+  return test.param.activation + std::to_string(test.param.dimension) +
+         (test.param.dtype == torch::kFloat64 ? "Double" : "Float") +
+         (test.param.projection > 0.0 ? "Projected" : "");
 });
 
 // With what execution adds held constant, the gradients in V and B are those of the rates of the worst

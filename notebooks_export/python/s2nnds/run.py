@@ -65,7 +65,7 @@ ACTIVATIONS = {
 @dataclass
 class Network:
     """y(x) made of layers N(x) and a head: plain y = N(x); zero_at_origin y = N(x) - N(0);
-    squared_norm y = |N(x) - N(0)|^2 + quadratic |x|^2.
+    squared_norm y = |N(x) - N(0)|^2 + quadratic |x|^2; diffeomorphism y = |x + N(x) - N(0)|^2.
 
     Each layer is (weight [out, in], bias [out], name of the activation).
     """
@@ -82,7 +82,7 @@ class Network:
 
     @property
     def output_dimension(self):
-        return 1 if self.head == "squared_norm" else self.layers[-1][0].shape[0]
+        return 1 if self.head in ("squared_norm", "diffeomorphism") else self.layers[-1][0].shape[0]
 
     def _stack(self, x, with_jacobian):
         """N(x) [N, out] and, if asked for, its Jacobian [N, out, n]."""
@@ -132,6 +132,8 @@ class Network:
         y, _ = self._stack(points, False)
         if self.head != "plain":
             y = y - self._at_zero()
+        if self.head == "diffeomorphism":
+            y = np.sum((y + points) ** 2, axis=1, keepdims=True)
         if self.head == "squared_norm":
             y = np.sum(y * y, axis=1, keepdims=True) + self.quadratic * np.sum(
                 points**2, axis=1, keepdims=True
@@ -142,6 +144,9 @@ class Network:
         """dy/dx: [N, m, n] for points [N, n]; [m, n] for a single point."""
         points, single = self._points(x)
         y, jacobian = self._stack(points, True)
+        if self.head == "diffeomorphism":
+            phi = y - self._at_zero() + points
+            jacobian = 2.0 * (np.einsum("no,noi->ni", phi, jacobian) + phi)[:, None, :]
         if self.head == "squared_norm":
             y = y - self._at_zero()
             jacobian = 2.0 * np.einsum("no,noi->ni", y, jacobian) + 2.0 * self.quadratic * points
@@ -185,9 +190,62 @@ class Network:
                 y = self.stack(x)
                 if self.network.head != "plain":
                     y = y - self.stack(torch.zeros_like(x[:1]))
+                if self.network.head == "diffeomorphism":
+                    y = ((y + x) ** 2).sum(1, keepdim=True)
                 if self.network.head == "squared_norm":
                     y = (y**2).sum(1, keepdim=True) + self.network.quadratic * (x**2).sum(1, keepdim=True)
                 return y[:, 0] if y.shape[1] == 1 else y
+
+        return Module(self)
+
+
+@dataclass
+class ProjectedField:
+    """x' = y(x): the velocity nearest to network(x) along which V falls at least as fast as exp(-decay t), the time
+    normalised. Called as a Network is."""
+
+    network: Network
+    V: Network  # a diffeomorphism
+    decay: float
+
+    @property
+    def input_dimension(self):
+        return self.network.input_dimension
+
+    @property
+    def output_dimension(self):
+        return self.network.output_dimension
+
+    def __call__(self, x):
+        """[N, n] for points [N, n], [n] for one point [n]; of a torch tensor a tensor."""
+        torch = sys.modules.get("torch")
+        if torch is not None and isinstance(x, torch.Tensor):
+            return torch.as_tensor(self(x.detach().numpy(force=True)))
+        velocity, gradient = self.network(x), self.V.gradient(x)
+        excess = np.sum(gradient * velocity, axis=-1) + self.decay * self.V(x)
+        square = np.maximum(np.sum(gradient**2, axis=-1), np.finfo(float).tiny)
+        return velocity - np.expand_dims(np.maximum(excess, 0.0) / square, -1) * gradient
+
+    def torch(self):
+        """The same function as a torch.nn.Module of double tensors: x [N, n] -> [N, n]. Derivatives are followed in x and
+        in all weights."""
+        import torch  # only who asks for it needs it
+
+        class Module(torch.nn.Module):
+            def __init__(self, field):
+                super().__init__()
+                self.network, self.V, self.decay = field.network.torch(), field.V.torch(), field.decay
+
+            def forward(self, x):
+                with torch.enable_grad():
+                    at = x if x.requires_grad else x.detach().requires_grad_(True)
+                    value = self.V(at)
+                    (gradient,) = torch.autograd.grad(value.sum(), at, create_graph=True)
+                    velocity = self.network(at)
+                    excess = torch.relu((gradient * velocity).sum(1) + self.decay * value)
+                    square = (gradient**2).sum(1).clamp_min(torch.finfo(x.dtype).tiny)
+                    y = velocity - (excess / square).unsqueeze(1) * gradient
+                return y if torch.is_grad_enabled() else y.detach()
 
         return Module(self)
 
@@ -393,15 +451,15 @@ def _network(group):
     _require(layers, f"{group.name}: layers: found 0, expected at least 1")
     head = _plain(group.attrs["head"])
     _require(
-        head in ("plain", "zero_at_origin", "squared_norm"),
-        f"{group.name}: head: found '{head}', expected plain, zero_at_origin or squared_norm",
+        head in ("plain", "zero_at_origin", "squared_norm", "diffeomorphism"),
+        f"{group.name}: head: found '{head}', expected plain, zero_at_origin, squared_norm or diffeomorphism",
     )
     unbiased = frozenset(k for k in range(len(layers)) if f"bias_{k}" not in group)
     return Network(layers, head, float(group.attrs.get("quadratic", 0.0)), unbiased)
 
 
 def weight_hash(f, V, B):
-    """SHA-256 of three networks, as the program computes it: little-endian 64-bit words, texts after their length."""
+    """SHA-256 of three networks, f perhaps projected, as the program computes it: little-endian 64-bit words, texts after their length."""
     digest = hashlib.sha256()
 
     def words(*numbers):
@@ -411,7 +469,7 @@ def weight_hash(f, V, B):
         words(len(value))
         digest.update(value.encode())
 
-    for network in (f, V, B):
+    for network in (f.network if isinstance(f, ProjectedField) else f, V, B):
         text("anchored" if network.head == "zero_at_origin" else network.head)
         digest.update(struct.pack("<d", network.quadratic))
         words(len(network.layers))
@@ -420,6 +478,9 @@ def weight_hash(f, V, B):
             text(activation)
             words(*weight.shape, len(bias))
             digest.update(np.asarray(weight, dtype="<f8").tobytes() + np.asarray(bias, dtype="<f8").tobytes())
+    if isinstance(f, ProjectedField):
+        text("projected")
+        digest.update(struct.pack("<d", f.decay))
     return digest.hexdigest()
 
 
@@ -443,7 +504,7 @@ class Run:
         try:
             with h5py.File(path, "r") as file:
                 self._read(file)
-            if self.guarantee != "none":
+            if self._claims():
                 _require_unchanged_bytes(path)
         except RunError as error:
             raise RunError(f"{self.path}: {error}") from None
@@ -466,6 +527,10 @@ class Run:
     @property
     def guarantee(self):
         return self.certificate["guarantee"]
+
+    def _claims(self):
+        """Whether the certificate claims something."""
+        return self.guarantee != "none" or bool(self.certificate["stability"].get("proved", False))
 
     def policy(self):
         """The policy as a torch.nn.Module (s2nnds.policy.Policy): positions in, velocities out, in the data's unit."""
@@ -594,6 +659,9 @@ class Run:
                 f"/networks/{key}: found {found[0]} inputs and {found[1]} outputs, "
                 f"expected {n} and {outputs}",
             )
+        decay = float(file["networks"]["f"].attrs.get("decay", 0.0))
+        if decay > 0.0:
+            self.f = ProjectedField(self.f, self.V, decay)
         self.history = {name: np.atleast_1d(column[()]) for name, column in file.get("history", {}).items()}
         self._read_certificate(file)
         self.evaluation = _fields(file["evaluation"]) if "evaluation" in file else {}
@@ -670,9 +738,10 @@ class Run:
         self.certificate = {"guarantee": "none", **(_fields(group) if group else {})}
         self.certificate["execution"] = _fields(group["execution"]) if "execution" in group else {}
         self.certificate["orientation"] = _fields(group["orientation"]) if "orientation" in group else {}
+        self.certificate["stability"] = _fields(group["stability"]) if "stability" in group else {}
         self.certificate["conditions"] = [_fields(item) for item in _numbered(group.get("conditions", {}))]
         self.certificate["execution"] = _fields(group["execution"]) if "execution" in group else {}
-        if self.guarantee != "none":
+        if self._claims():
             self._check_scope()
         boxes = group.get("open_boxes", {})  # condition -> [k, 2n]: lower corner, then upper
         self.open_boxes = {name: _array(boxes, name, (None, 2 * self.dimension)) for name in boxes}
