@@ -16,6 +16,7 @@
 #include "s2nnds/deployment/passive_controller.h"
 #include "s2nnds/deployment/policy.h"
 #include "s2nnds/deployment/task_space.h"
+#include "s2nnds/networks/dynamics.h"
 #include "s2nnds/networks/evaluator.h"
 
 namespace s2nnds::experiment {

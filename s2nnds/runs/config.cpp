@@ -53,20 +53,22 @@ void Config::choose_for(std::int64_t dimension) {
   const bool fits = execution.is_ideal() && training.margin == 0.0 && networks.f.zero_at_origin &&
                     (networks.V.form == kAuto || networks.V.form == "diffeomorphism");
   networks.choose_forms(dimension > most_proved_dimensions && verification.method != Method::proof && fits);
-  if (!verification.method)
-    verification.method = networks.f.form == "projected" ? Method::conformal : Method::proof;
+  if (!verification.method) {
+    const bool provable = networks.f.form != "projected" && networks.V.form != "diffeomorphism";
+    verification.method = provable ? Method::proof : Method::conformal;
+  }
 }
 
 void Config::check_forms() const {
   const bool proves = verification.method == Method::proof;
-  check(!proves || networks.V.form != "diffeomorphism",
-        "verification.method: found proof with networks.V.form = diffeomorphism, which the prover does not "
-        "know; "
-        "expected conformal or sampled");
-  if (networks.f.form != "projected") return;
-  check(!proves,
+  const bool projected = networks.f.form == "projected";
+  check(!proves || !projected,
         "verification.method: found proof with networks.f.form = projected, which the prover does not know; "
         "expected conformal or sampled");
+  check(!proves || networks.V.form != "diffeomorphism",
+        "verification.method: found proof with networks.V.form = diffeomorphism, which the prover does not "
+        "know; expected conformal or sampled");
+  if (!projected) return;
   check(networks.V.form == "diffeomorphism",
         "networks.f.form: found projected with networks.V.form = {}, expected diffeomorphism",
         networks.V.form);
@@ -75,8 +77,7 @@ void Config::check_forms() const {
         "equilibrium");
   check(execution.is_ideal() && training.margin == 0.0,
         "networks.f.form: found projected with [execution] or training.margin, which its training does not "
-        "know; "
-        "expected neither");
+        "know; expected neither");
 }
 
 Config default_config(const std::string& profile) {

@@ -46,7 +46,8 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
   } else {
     trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
     if (setup.problem.dimension() > most_proved_dimensions)
-      trainer.add_source(std::make_shared<RegionFalsifier>(setup.problem, config.training.samples));
+      trainer.add_source(std::make_shared<RegionFalsifier>(
+          setup.problem, std::max<std::int64_t>(1, config.training.samples / 4)));
   }
   trainer.set_rollout_labels(
       [&](const Dynamics& f, const Points& starts) { return rollout_is_safe(f, setup.problem, starts); });

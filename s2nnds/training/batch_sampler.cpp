@@ -15,6 +15,7 @@ namespace {
 constexpr double kNearestToGoal = 1e-3;
 constexpr double kJitter = 0.005;
 constexpr std::int64_t kBoundary = 4096;   // points of the obstacle's boundary to draw from
+constexpr std::size_t kStock = 20000;      // points of each region, in many dimensions
 constexpr Eigen::Index kCapacity = 20000;  // of a pool, whose oldest points leave: most have long been cured
 
 // Whether the box surely or possibly meets the region; bisects a little, since enclosures of large boxes are
@@ -133,6 +134,15 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
     boundary_ = boundary_points(problem.unsafe, problem.workspace, kBoundary, random);
   }
   const Points none(0, problem.dimension());
+  initial_stock_ = unsafe_stock_ = margin_stock_ = none;
+  if (problem.dimension() > few_dimensions) {
+    RandomStream random(0, "stock of the regions");
+    for (const auto& [sampler, stock] :
+         {std::pair{&initial_, &initial_stock_}, std::pair{&unsafe_, &unsafe_stock_},
+          std::pair{&workspace_margin_, &margin_stock_}}) {
+      if (*sampler) *stock = (*sampler)->sample(kStock, random);
+    }
+  }
   pools_ = {none, none, none};
   backtracked_ = {none, none, none};
   near_band_ = safe_ = unsafe_rollouts_ = none;
@@ -182,19 +192,20 @@ Batch BatchSampler::draw(RandomStream& random) const {
     batch.velocity.row(i) = backtracked_.velocity.row(chosen);
   }
   batch.workspace = draw_workspace(random);
-  const auto region = [&](const std::optional<RegionSampler>& sampler, const Points& pool,
-                          Eigen::Index count) {
+  const auto region = [&](const std::optional<RegionSampler>& sampler, const Points& stock,
+                          const Points& pool, Eigen::Index count) {
     Points x(sampler ? count : 0, n);
     if (x.rows() == 0) return x;
     const Eigen::Index old = pool.rows() > 0 ? count / 2 : 0;
-    x.bottomRows(count - old) = sampler->sample(count - old, random);
+    x.bottomRows(count - old) =
+        stock.rows() > 0 ? some(stock, count - old, n, random) : sampler->sample(count - old, random);
     Eigen::Index at = 0;
     append_counterexamples(x, at, pool, old, problem_.workspace, 0.0, random);
     return x;
   };
-  batch.initial = region(initial_, pools_.initial, options_.initial);
-  const Points obstacle = region(unsafe_, pools_.unsafe, options_.unsafe);
-  const Points margin = region(workspace_margin_, pools_.unsafe, options_.unsafe);
+  batch.initial = region(initial_, initial_stock_, pools_.initial, options_.initial);
+  const Points obstacle = region(unsafe_, unsafe_stock_, pools_.unsafe, options_.unsafe);
+  const Points margin = region(workspace_margin_, margin_stock_, pools_.unsafe, options_.unsafe);
   batch.unsafe.resize(obstacle.rows() + margin.rows(), n);
   batch.unsafe << obstacle, margin;
   batch.safe = some(safe_, labelled_points / 2, n, random);

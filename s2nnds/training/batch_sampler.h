@@ -79,6 +79,8 @@ class BatchSampler {
   Eigen::Index shown_ = 0, drawn_ = 0;  // rows: of demonstrations, and of all that is drawn
   std::int64_t left_out_ = 0;
   std::optional<RegionSampler> initial_, unsafe_, workspace_margin_;
+  // Of the three, in many dimensions, where drawing from a thin set anew for each step would cost more than the step.
+  Points initial_stock_, unsafe_stock_, margin_stock_;
   CounterexamplePools pools_;
   Points near_band_, safe_, unsafe_rollouts_;
   Backtracked backtracked_;

@@ -118,9 +118,8 @@ Networks between(const Networks& a, const Networks& b, double part) {
   return {between(a.f, b.f, part), between(a.V, b.V, part), between(a.B, b.B, part), a.decay};
 }
 
-// In more dimensions than this nearly all uniform points lie next to the workspace's edge, where the margin must be
+// In many dimensions nearly all uniform points lie next to the workspace's edge, where the margin must be
 // kept: labels of their rollouts count this much as usual.
-constexpr std::int64_t kFewDimensions = 4;
 constexpr double kLabelsInMany = 0.1;
 
 // Motions of a projected f converge whatever they pass: what f is taught along those that are followed back would only
@@ -128,7 +127,7 @@ constexpr double kLabelsInMany = 0.1;
 TrainerOptions adjusted(TrainerOptions options, const VectorFieldOptions& f, std::int64_t dimension) {
   options.loss.projection = f.projection();
   if (options.loss.projection > 0.0) options.backtrack = false;
-  if (dimension > kFewDimensions) options.loss.weight[LossTerm::rollout_safety] *= kLabelsInMany;
+  if (dimension > few_dimensions) options.loss.weight[LossTerm::rollout_safety] *= kLabelsInMany;
   return options;
 }
 

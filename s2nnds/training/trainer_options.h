@@ -76,6 +76,9 @@ struct BatchOptions {
   void visit(FieldVisitor& v);  // names every key and its range
 };
 
+// What is fit for the plane costs too much in more dimensions than this, or misses what matters.
+inline constexpr std::int64_t few_dimensions = 4;
+
 // Options of the joint training. The schedule of rounds that they make is in plan.h.
 struct TrainerOptions {
   std::string engine = "fused";     // what computes losses and gradients: fused, autograd (the reference)

@@ -50,7 +50,7 @@ struct Fixture {
     Trainer made(problem, demonstrations, networks, options, seed);
     made.add_source(std::make_shared<RandomFalsifier>(problem, FalsifierOptions{options.samples, 100}));
     made.set_rollout_labels(
-        [this](const NetworkWeights& f, const Points& x) { return rollout_is_safe(f, problem, x); });
+        [this](const Dynamics& f, const Points& x) { return rollout_is_safe(f, problem, x); });
     return made;
   }
 };
@@ -112,7 +112,7 @@ TEST(Trainer, FineTunesThenEnlargesAndKeepsOnlyCleanRounds) {
   fixture.options.enlarge_rounds = 3;
   Trainer trainer(fixture.problem, fixture.demonstrations, fixture.networks, fixture.options, 5);
   trainer.set_rollout_labels(
-      [&](const NetworkWeights& f, const Points& x) { return rollout_is_safe(f, fixture.problem, x); });
+      [&](const Dynamics& f, const Points& x) { return rollout_is_safe(f, fixture.problem, x); });
   trainer.add_source(std::make_shared<ScriptedSource>(std::set<std::int64_t>{1, 3, 5}));
   std::vector<Networks> after;
   std::vector<Stage> stages;
