@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "s2nnds/evaluation/topology.h"
+#include "s2nnds/runs/band_falsifier.h"
 #include "s2nnds/runs/execution_falsifier.h"
 #include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/proof_source.h"
@@ -45,9 +46,11 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
     trainer.add_source(std::make_shared<ExecutionFalsifier>(options.loss.execution.model));
   } else {
     trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
-    if (setup.problem.dimension() > most_proved_dimensions)
-      trainer.add_source(std::make_shared<RegionFalsifier>(
-          setup.problem, std::max<std::int64_t>(1, config.training.samples / 4)));
+    if (setup.problem.dimension() > most_proved_dimensions) {
+      const std::int64_t samples = std::max<std::int64_t>(1, config.training.samples / 2);
+      trainer.add_source(std::make_shared<RegionFalsifier>(setup.problem, samples));
+      trainer.add_source(std::make_shared<BandFalsifier>(samples));
+    }
   }
   trainer.set_rollout_labels(
       [&](const Dynamics& f, const Points& starts) { return rollout_is_safe(f, setup.problem, starts); });
