@@ -88,7 +88,7 @@ def synthetic_run(path, n=2, rounds=9, grid=True, open_boxes=0, guarantee="invar
     centre = np.array([-0.35, -0.45, 0.25, 0.0, 0.0, 0.0, 0.0])[:n]
     with h5py.File(path, "w") as file:
         file.attrs.update(
-            schema_version=4,
+            schema_version=5,
             program_version="0.1.0",
             library_versions="none",
             seed=3,

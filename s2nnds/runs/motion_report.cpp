@@ -121,17 +121,23 @@ void add_open_places(const PreparedRun& setup, const RunRecord& record, std::vec
   }
 }
 
+// Places of demonstrations nearer to the obstacle than this do not count: motions are turned aside there. In many
+// dimensions, where a box of any size around a place may meet the obstacle, all count that lie off it.
+double obstacle_margin(const PreparedRun& setup) {
+  return setup.problem.dimension() > few_dimensions ? 0.0 : 2.0 * setup.config.training.obstacle_margin;
+}
+
 }  // namespace
 
 std::vector<Deviation> deviations_of(const PreparedRun& setup, const Dynamics& f) {
-  return deviations(f, setup.problem, setup.train(), setup.config.evaluation.fidelity,
-                    2.0 * setup.config.training.obstacle_margin, setup.config.evaluation.rollout);
+  return deviations(f, setup.problem, setup.train(), setup.config.evaluation.fidelity, obstacle_margin(setup),
+                    setup.config.evaluation.rollout);
 }
 
 std::vector<Deviation> start_deviations_of(const PreparedRun& setup, const Dynamics& f, std::int64_t draw) {
   const std::vector<Demonstration> shown = setup.train();
   return start_deviations(f, setup.problem, shown, starts_of(setup, shown, draw),
-                          setup.config.evaluation.fidelity, 2.0 * setup.config.training.obstacle_margin,
+                          setup.config.evaluation.fidelity, obstacle_margin(setup),
                           setup.config.evaluation.rollout);
 }
 
@@ -142,7 +148,7 @@ double worst_deviation(const PreparedRun& setup, const Dynamics& f, std::int64_t
 VelocityTargets corrections_of(const PreparedRun& setup, const Dynamics& f, std::int64_t draw) {
   const std::vector<Demonstration> shown = setup.train();
   return corrections_of(f, setup.problem, shown, starts_of(setup, shown, draw),
-                        setup.config.evaluation.fidelity, 2.0 * setup.config.training.obstacle_margin,
+                        setup.config.evaluation.fidelity, obstacle_margin(setup),
                         setup.config.evaluation.rollout);
 }
 

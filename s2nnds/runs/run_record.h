@@ -160,7 +160,7 @@ struct RunRecord {
 };
 
 // Of the run files that this program writes, and the only one that it reads.
-inline constexpr std::int64_t run_schema_version = 4;
+inline constexpr std::int64_t run_schema_version = 5;
 
 std::string time_stamp();  // now, UTC: "2024-05-31T12:00:00Z"
 

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "s2nnds/evaluation/topology.h"
-#include "s2nnds/runs/band_falsifier.h"
 #include "s2nnds/runs/execution_falsifier.h"
 #include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/proof_source.h"
 #include "s2nnds/runs/training_checkpoint.h"
+#include "s2nnds/training/band_falsifier.h"
 #include "s2nnds/training/falsifier.h"
 #include "s2nnds/training/orientation_fit.h"
 
@@ -47,9 +47,12 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
   } else {
     trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
     if (setup.problem.dimension() > most_proved_dimensions) {
-      const std::int64_t samples = std::max<std::int64_t>(1, config.training.samples / 2);
-      trainer.add_source(std::make_shared<RegionFalsifier>(setup.problem, samples));
-      trainer.add_source(std::make_shared<BandFalsifier>(samples));
+      // What leaves less than half of a margin is trained on as if it were a violation.
+      const LossOptions& loss = options.loss;
+      const std::int64_t samples = std::max<std::int64_t>(1, config.training.samples / 10);
+      trainer.add_source(std::make_shared<RegionFalsifier>(setup.problem, samples, 0.5 * loss.margin_initial,
+                                                           0.5 * loss.margin_unsafe));
+      trainer.add_source(std::make_shared<BandFalsifier>(samples, 0.5 * loss.margin_barrier_decrease));
     }
   }
   trainer.set_rollout_labels(

@@ -14,10 +14,11 @@ namespace s2nnds {
 // pools what earlier rounds found.
 inline constexpr std::int64_t counterexamples_kept = 500;
 
-// Points that violate a condition, worst first, and how many were seen in all.
+// Points that violate a condition, worst first, perhaps followed by such that nearly do; and how many violations were seen
+// in all.
 struct Counterexamples {
   std::array<Points, condition_count> points;           // [k, n] each, for all_conditions[i]
-  std::array<std::int64_t, condition_count> counts{};   // violations found (points may hold fewer)
+  std::array<std::int64_t, condition_count> counts{};   // violations found (points may hold fewer, or more)
   std::array<std::int64_t, condition_count> samples{};  // points examined where the condition applied
 
   std::int64_t total() const;  // the sum of `counts`

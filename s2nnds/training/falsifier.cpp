@@ -6,15 +6,10 @@
 #include <numeric>
 
 #include "s2nnds/networks/evaluator.h"
+#include "s2nnds/training/climb.h"
 
 namespace s2nnds {
 namespace {
-
-// Of RegionFalsifier: points that climb, their steps, the first one's standard deviation as a share of the workspace's
-// largest half width, and how much shorter each next one is.
-constexpr std::size_t kClimbers = 500;
-constexpr int kClimbingSteps = 20;
-constexpr double kFirstStep = 0.1, kShorter = 0.8;
 
 std::vector<RegionSampler> sample_regions(const SafetyProblem& problem) {
   std::vector<RegionSampler> samplers;
@@ -141,8 +136,9 @@ Counterexamples LocalSearchFalsifier::find(const Networks& networks, const Safet
   return found;
 }
 
-RegionFalsifier::RegionFalsifier(const SafetyProblem& problem, std::int64_t samples, std::int64_t keep)
-    : samples_(samples), keep_(keep) {
+RegionFalsifier::RegionFalsifier(const SafetyProblem& problem, std::int64_t samples, double near_initial,
+                                 double near_unsafe)
+    : samples_(samples), near_initial_(near_initial), near_unsafe_(near_unsafe) {
   for (const auto& [condition, region] :
        {std::pair{Condition::initial, problem.initial}, std::pair{Condition::unsafe, problem.unsafe},
         std::pair{Condition::containment, problem.workspace_margin}}) {
@@ -155,41 +151,17 @@ Counterexamples RegionFalsifier::find(const Networks& networks, const SafetyProb
                                       double level_band, std::uint64_t seed, std::int64_t round) {
   RandomStream random(seed, "falsifier/regions", round);
   const BasicEvaluator<float> B(networks.B);
-  const double largest = problem.workspace.half_widths().maxCoeff();
   Counterexamples found;
   for (const auto& [condition, sampler] : regions_) {
-    const double sign = condition == Condition::initial ? 1.0 : -1.0;
+    const bool within = condition == Condition::initial;
     const Points x = sampler.sample(static_cast<std::size_t>(samples_), random);
-    const Vector rough = sign * B.value(x).col(0);
-    std::vector<Eigen::Index> all(static_cast<std::size_t>(x.rows()));
-    std::iota(all.begin(), all.end(), 0);
-    const std::vector<Eigen::Index> starts = worst(rough, 0, kClimbers, all);
-    Points best = x(starts, Eigen::all);
-    Vector value = residual(condition, networks, problem, level_band, best);
-    double length = kFirstStep * largest;
-    for (int step = 0; step < kClimbingSteps; ++step, length *= kShorter) {
-      Points trial = best;
-      for (Eigen::Index i = 0; i < trial.rows(); ++i) {
-        for (Eigen::Index k = 0; k < trial.cols(); ++k) {
-          trial(i, k) = std::clamp(trial(i, k) + length * random.normal(), problem.workspace.lower[k],
-                                   problem.workspace.upper[k]);
-        }
-      }
-      const Vector climbed =
-          residual(condition, networks, problem, level_band, trial);  // -infinity elsewhere
-      for (Eigen::Index i = 0; i < trial.rows(); ++i) {
-        if (!(climbed[i] > value[i])) continue;
-        best.row(i) = trial.row(i);
-        value[i] = climbed[i];
-      }
-    }
-    Points only = Points::Constant(best.rows(), condition_count, -std::numeric_limits<double>::infinity());
+    const Vector rank = (within ? 1.0 : -1.0) * B.value(x).col(0);
+    const double near = within ? near_initial_ : near_unsafe_;
+    const Counterexamples here = climb(condition, networks, problem, level_band, x, rank, near, random);
     const auto q = static_cast<std::size_t>(condition);
-    only.col(static_cast<Eigen::Index>(q)) = value;
-    const Counterexamples here = violators(best, only, keep_);
     found.points[q] = here.points[q];
     found.counts[q] = here.counts[q];
-    found.samples[q] = samples_;
+    found.samples[q] = here.samples[q];
   }
   return found;
 }

@@ -56,16 +56,16 @@ class LocalSearchFalsifier : public CounterexampleSource {
 // conditions hit.
 class RegionFalsifier : public CounterexampleSource {
  public:
-  // `samples` points of each region, >= 1.
-  RegionFalsifier(const SafetyProblem& problem, std::int64_t samples,
-                  std::int64_t keep = counterexamples_kept);
-  bool only_when_clean() const override { return true; }
+  // `samples` points of each region, >= 1; `near_initial` and `near_unsafe` as for climb(), of X0 and of the others.
+  RegionFalsifier(const SafetyProblem& problem, std::int64_t samples, double near_initial,
+                  double near_unsafe);
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;
 
  private:
   std::vector<std::pair<Condition, RegionSampler>> regions_;
-  std::int64_t samples_, keep_;
+  std::int64_t samples_;
+  double near_initial_, near_unsafe_;
 };
 
 }  // namespace s2nnds

@@ -21,6 +21,9 @@ struct LevelOptions {
   double slack = 0.005;            // B differs from c by at least this on X0 and Xu, >= 0
   double slack_decrease = 0.03;    // where |B - c| <= 1.5 level_band, Bdot <= -slack_decrease; >= 0
   ExecutionDemand execution = {};  // whose Bdot that is
+  // What is wanted of |B - c| on X0, of B - c on Xu, and of -Bdot where |B - c| <= 1.5 level_band, each >= 0: only
+  // safest() asks for more than the slacks.
+  double margin_initial = 0.05, margin_unsafe = 0.05, margin_decrease = 0.05;
 };
 
 // Which level set of B to call {B = 0}. The conditions on B speak of one level set only, and what training
@@ -33,7 +36,21 @@ class LevelChoice {
   // if there is no such c. Samples only: whoever shifts B must look again.
   std::optional<double> largest(const Networks& networks, RandomStream& random) const;
 
+  // The c in [-reach, reach] at which the least margin, each as a share of what is wanted and 1 at most, is largest; the
+  // largest such c. None if no c leaves the slack on X0 and Xu. For many dimensions, where samples miss the worst points,
+  // so that a level with no more than the slack is violated somewhere.
+  std::optional<double> safest(const Networks& networks, RandomStream& random) const;
+
  private:
+  // B and Bdot at samples.
+  struct Look {
+    double most_initial, least_outside;  // B on X0; on Xu and the workspace margin
+    double low, high;                    // c that leaves the slack there
+    Vector value, derivative;            // B and Bdot at those points of X where B is near to a c
+  };
+  // None if low > high, or if B overflows.
+  std::optional<Look> look(const Networks& networks, RandomStream& random) const;
+
   Box workspace_;
   LevelOptions options_;
   std::optional<RegionSampler> initial_;

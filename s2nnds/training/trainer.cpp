@@ -118,16 +118,25 @@ Networks between(const Networks& a, const Networks& b, double part) {
   return {between(a.f, b.f, part), between(a.V, b.V, part), between(a.B, b.B, part), a.decay};
 }
 
-// In many dimensions nearly all uniform points lie next to the workspace's edge, where the margin must be
-// kept: labels of their rollouts count this much as usual.
-constexpr double kLabelsInMany = 0.1;
+// In many dimensions (more than few_dimensions) a round takes so many times as many steps: what is wrong is on more and
+// smaller sets. Labels of rollouts count so much as usual, and there are so many fewer: nearly all uniform points lie next
+// to the workspace's edge, where the margin must be kept.
+constexpr std::int64_t kStepsInMany = 2, kFewerLabelsInMany = 4;
+constexpr double kLabelsInMany = 0.3;
+// Boxes of many dimensions around a sample are found off an obstacle only if they are small.
+constexpr double kObstacleMarginInMany = 0.02;
 
 // Motions of a projected f converge whatever they pass: what f is taught along those that are followed back would only
 // spoil it.
 TrainerOptions adjusted(TrainerOptions options, const VectorFieldOptions& f, std::int64_t dimension) {
   options.loss.projection = f.projection();
   if (options.loss.projection > 0.0) options.backtrack = false;
-  if (dimension > few_dimensions) options.loss.weight[LossTerm::rollout_safety] *= kLabelsInMany;
+  if (dimension <= few_dimensions) return options;
+  options.steps *= kStepsInMany;
+  options.obstacle_margin *= kObstacleMarginInMany;
+  options.loss.weight[LossTerm::rollout_safety] *= kLabelsInMany;
+  if (options.rollout_points > 0)
+    options.rollout_points = std::max<std::int64_t>(1, options.rollout_points / kFewerLabelsInMany);
   return options;
 }
 
@@ -181,10 +190,13 @@ class Trainer::Impl {
         network_options_(networks),
         options_(adjusted(options, networks.f, problem.dimension())),
         seed_(seed),
-        sampler_(make_sampler(problem, demonstrations, options, seed)),
+        sampler_(make_sampler(problem, demonstrations, options_, seed)),
         level_(problem, {.level_band = options.level_band,
                          .reach = options.max_level_shift,
-                         .execution = options.loss.execution}) {
+                         .execution = options.loss.execution,
+                         .margin_initial = options.loss.margin_initial,
+                         .margin_unsafe = options.loss.margin_unsafe,
+                         .margin_decrease = options.loss.margin_barrier_decrease}) {
     RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
     modules_.f = make_field(1);
     modules_.V = Lyapunov(problem.dimension(), networks.V, start_v);
@@ -426,7 +438,8 @@ class Trainer::Impl {
     NetworkWeights B = modules_.B->snapshot();
     Vector& bias = B.layers.back().bias;
     if (bias.size() == 0) return;
-    if (const auto c = level_.largest(networks(), random)) {
+    const bool many = problem_.dimension() > few_dimensions;
+    if (const auto c = many ? level_.safest(networks(), random) : level_.largest(networks(), random)) {
       bias[0] -= *c;
       modules_.B->restore(B);
     }

@@ -30,7 +30,7 @@ struct LossOptions {
       5.0,   // lyapunov
       2.0,   // barrier_sets
       5.0,   // barrier_decrease
-      1.0,   // rollout_safety; in five and more dimensions a tenth of it counts
+      1.0,   // rollout_safety; in five and more dimensions 0.3 of it counts
       // obstacle_normal. Motions that would meet the obstacle turn aside before it, which leaves more of the
       // workspace safe. Not all can: V falls along every motion, so followed backwards those that end at the
       // obstacle come from the workspace's edge. The gap through which they come gets narrower, and the
@@ -84,7 +84,7 @@ struct TrainerOptions {
   std::string engine = "fused";     // what computes losses and gradients: fused, autograd (the reference)
   std::int64_t rounds = 40;         // rounds that search for a certificate, at most; >= 1
   std::int64_t min_rounds = 1;      // first that may end the search, >= 1
-  std::int64_t steps = 250;         // Adam steps a round, >= 1
+  std::int64_t steps = 250;         // Adam steps a round, >= 1; twice as many in five and more dimensions
   double rate_f = 1e-3;             // Adam's rate for f, > 0
   double rate_certificates = 5e-3;  // Adam's rate for V and B, > 0
   double rate_decay = 0.9;          // factor of the rates from round to round, in (0, 1]
@@ -99,10 +99,11 @@ struct TrainerOptions {
   bool backtrack = true;
   double max_level_shift = 0.1;  // of B after a round, to a better level without violations, >= 0; 0: none
   std::int64_t imitation_finetune_rounds = 10;  // rounds after a clean one that fit f more closely, >= 0
-  std::int64_t enlarge_rounds = 13;    // rounds after these that train B alone, for a larger safe set, >= 0
-  std::int64_t enlarge_steps = 300;    // Adam steps of such a round, >= 1
-  double weight_decay = 0.2;           // decoupled (AdamW), of all weights of f, >= 0
-  std::int64_t rollout_points = 4000;  // points of X labelled by rollouts, anew every round, >= 0; 0: none
+  std::int64_t enlarge_rounds = 13;  // rounds after these that train B alone, for a larger safe set, >= 0
+  std::int64_t enlarge_steps = 300;  // Adam steps of such a round, >= 1
+  double weight_decay = 0.2;         // decoupled (AdamW), of all weights of f, >= 0
+  // Points of X labelled by rollouts, anew every round, >= 0; 0: none. A quarter of them in five and more dimensions.
+  std::int64_t rollout_points = 4000;
   double smoothing = 1.0;  // share, in [0, 1], of a phase regression in the velocities that f is fitted to
   // Samples, as a share of the demonstrations' (>= 0; 0: none), of motions from 32 starts in X0 that differ
   // from those shown: displaced demonstrations, whose displacement falls along the way.
@@ -111,7 +112,8 @@ struct TrainerOptions {
   // to them.
   double funnel = 0.3;
   // Demonstration samples nearer to Xu than this (normalised units, per axis, >= 0) are left out; twice this
-  // for demonstrations that pass through Xu, whose samples within Xu by more than this stay.
+  // for demonstrations that pass through Xu, whose samples within Xu by more than this stay. In five and more
+  // dimensions, where a box of this size meets most obstacles, a fiftieth of it counts.
   double obstacle_margin = 0.05;
   // Points of X in the random search for counterexamples after each round, >= 1; a tenth of them where the
   // prover looks, too.

@@ -195,7 +195,7 @@ class RunFileTest(ProgramTest):
         run = self.trained()
         with h5py.File(run, "r+") as file:
             file.attrs["schema_version"] = 99
-        self.assert_run_refused(run, "run.h5", "schema 99", "schema 4")
+        self.assert_run_refused(run, "run.h5", "schema 99", "schema 5")
 
     def test_truncated(self):
         run = self.trained()

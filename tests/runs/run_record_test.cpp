@@ -236,7 +236,7 @@ TEST(RunRecord, DamagedItemsAreNamed) {
     return error_of([&] { load_run(path); });
   };
   EXPECT_EQ(error_after("f.attrs.modify('schema_version', 1)"),
-            path + ": found a run file of schema 1, expected schema 4");
+            path + ": found a run file of schema 1, expected schema 5");
   EXPECT_EQ(error_after("del f.attrs['schema_version']"),
             path + ": expected a run file, found HDF5 without a schema_version");
   EXPECT_EQ(
@@ -345,7 +345,7 @@ TEST(RunRecord, OtherProgramsReadTheFile) {
   put_bytes(script, R"(
 import h5py, sys
 with h5py.File(sys.argv[1]) as f:
-    assert f.attrs['schema_version'] == 4
+    assert f.attrs['schema_version'] == 5
     assert f.attrs['created'] == '2024-05-31T12:00:00Z'
     assert f['config/text'][()].decode() == '# a comment\nseed = 1\n'
     assert f['config/values'].attrs['zeta.b'] == '3'

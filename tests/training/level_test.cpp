@@ -57,5 +57,25 @@ TEST(Level, KeepsToWhereTheBarrierDecreases) {
   EXPECT_NEAR(*c, -0.015, 1e-3);
 }
 
+TEST(Level, TheSafestLeavesTheMarginsThatAreWanted) {
+  // B on the obstacle begins at 0.05, the margin that is wanted there: at c = 0.
+  RandomStream random(3, "level");
+  const LevelChoice choice(problem_with_edge(0.25), {});
+  const auto c = choice.safest(networks_with(to_the_left), random);
+  ASSERT_TRUE(c);
+  EXPECT_LE(*c, 1e-3);
+  EXPECT_NEAR(*c, 0.0, 5e-3);
+}
+
+TEST(Level, TheSafestSharesWhatThereIs) {
+  // Bdot = 0.1 x1 - 0.025 = 0.1 B - 0.005 is far from the -0.05 that is wanted, the better the lower the level.
+  RandomStream random(3, "level");
+  const auto networks = networks_with(affine(Points{{0.1, 0.0}, {0.0, 0.0}}, Vector{{-0.025, 0.0}}));
+  const auto c = LevelChoice(problem_with_edge(0.25), {}).safest(networks, random);
+  ASSERT_TRUE(c);
+  EXPECT_NEAR(*c, -0.1, 5e-3);
+  EXPECT_FALSE(LevelChoice(problem_with_edge(0.05), {}).safest(networks, random)) << "no c leaves the slack";
+}
+
 }  // namespace
 }  // namespace s2nnds

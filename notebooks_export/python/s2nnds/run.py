@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads the run files of s2nnds (HDF5, schema 4) with numpy and h5py alone.
+"""Reads the run files of s2nnds (HDF5, schema 5) with numpy and h5py alone.
 
     from s2nnds import Run
     run = Run("sine.h5")
@@ -37,7 +37,7 @@ try:
 except ImportError:  # not compiled: NumPy evaluates the networks
     Evaluator = None
 
-SCHEMA_VERSION = 4
+SCHEMA_VERSION = 5
 
 
 class RunError(Exception):
