@@ -278,7 +278,7 @@ class FormatsTest(ProgramTest):
             z = rng.uniform(run.problem.workspace_lower, run.problem.workspace_upper, (500, run.dimension))
             changed = np.linalg.norm(run.f(z) - run.f.network(z), axis=1)
             self.assertGreater(np.mean(changed > 1e-3), 0.05)  # so that it matters
-            self.assertGreater(np.mean(changed == 0.0), 0.05)
+            self.assertGreater(np.mean(changed == 0.0), 0.01)
             self.assert_formats_agree(title, path, able)
             for kind in ("pt2", "torchscript"):
                 self.assert_refused(self.call("export", path, "--format", kind), kind, "projected", "header")
