@@ -168,7 +168,8 @@ Table table_of_robustness(const std::vector<Run>& runs) {
     const PreparedRun setup = prepare(record);
     std::optional<StateFunction> B;
     if (certified.guaranteed()) B = record.networks.B;
-    const auto ours = measure_robustness(record.networks.dynamics(), B, setup.problem, setup.demonstrations, 0);
+    const auto ours =
+        measure_robustness(record.networks.dynamics(), B, setup.problem, setup.demonstrations, 0);
     const auto theirs =
         measure_robustness(free->record().networks.dynamics(), {}, setup.problem, setup.demonstrations, 0);
     for (std::size_t k = 0; k < ours.size(); ++k) {

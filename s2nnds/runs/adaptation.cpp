@@ -141,9 +141,7 @@ class Adapter {
             .until_certified = true};
   }
 
-  bool follows(const Networks& networks) const {
-    return worst_deviation(setup_, networks.dynamics()) <= 1.0;
-  }
+  bool follows(const Networks& networks) const { return worst_deviation(setup_, networks.dynamics()) <= 1.0; }
 
   // From the old networks: B alone, then all three.
   RunRecord go_on() const {

@@ -75,7 +75,7 @@ struct EvaluationSummary {
   double deviation_largest = not_measured;
   double not_followed = not_measured;
   double starts_not_followed =
-      not_measured;                       // of 32 starts that cover X0, those that follow no demonstration
+      not_measured;  // of 32 starts that cover X0, those that follow no demonstration
   // Degrees between the orientations of a demonstration and of the motion from its first pose, matched in order by
   // dynamic time warping of these: the mean over pairs, and the largest. Of training and test demonstrations.
   double orientation_mean_train = not_measured, orientation_largest_train = not_measured;
