@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
+#include "s2nnds/verification/band_bound.h"
 #include "s2nnds/verification/goal_neighbourhood.h"
 #include "s2nnds/verification/guarantee.h"
 #include "s2nnds/verification/network_function.h"
@@ -21,6 +23,11 @@ constexpr double largest_goal_cube = 0.08;
 
 // Where no neighbourhood of the goal is proved, boxes this close to it are left open.
 constexpr double hopeless_radius = 1e-8;
+
+// From so many dimensions on, boxes are too many to look at more than is needed: only where the condition asks for something,
+// within the band or the set. And where a proof found violations, what it left open besides is most of the workspace, of which
+// points are worth nothing. In fewer dimensions, where what a proof leaves open goes back into training, all is as it was.
+constexpr Eigen::Index kSpareDimensions = 4;
 
 // In more dimensions than this, no proof is gone on with that seems to need more boxes than are allowed.
 constexpr Eigen::Index kPatientDimensions = 4;
@@ -55,6 +62,7 @@ class ConditionExaminer final : public BoxExaminer {
                  statement.condition == Condition::unsafe || statement.condition == Condition::containment),
         along_field_(statement.condition == Condition::lyapunov_decrease ||
                      statement.condition == Condition::barrier_decrease),
+        spares_(statement.problem.dimension() >= kSpareDimensions),
         enclosure_(is_lyapunov() ? *statement.functions.V : *statement.functions.B,
                    along_field_ ? statement.functions.f.get() : nullptr),
         tile_(statement.problem.dimension()) {}
@@ -64,14 +72,21 @@ class ConditionExaminer final : public BoxExaminer {
     if (statement_.condition == Condition::barrier_decrease) rows = within_band(batch, rows);
     std::vector<Candidate> candidates;
     for_tiles(batch, rows, [&](const std::vector<Eigen::Index>& tile_rows) {
-      const TileForm& form = evaluate();
+      const TileForm form = evaluate();
       const TileRow worst = upper_residual(form), best = lower_residual(form);
+      std::optional<TileRow> in_band;
+      const auto holds_in = [&](Eigen::Index lane) {
+        if (holds(worst(lane))) return true;
+        if (!spares_ || statement_.condition != Condition::barrier_decrease) return false;
+        if (!in_band) in_band = upper_within(form, enclosure_.value(tile_), statement_.level_band, tile_);
+        return holds((*in_band)(lane));
+      };
       for (std::size_t lane = 0; lane < tile_rows.size(); ++lane) {
         const Eigen::Index row = tile_rows[lane];
-        if (holds(worst(static_cast<Eigen::Index>(lane)))) {
+        const auto at = static_cast<Eigen::Index>(lane);
+        if (holds_in(at)) {
           batch.status[row] = BoxStatus::proved;
         } else {
-          const auto at = static_cast<Eigen::Index>(lane);
           batch.cuts[row] = useful_cuts(tile_.dimension(), best(at) + form.remainder(at), form.remainder(at));
           consider(batch, row, form, at, candidates);
         }
@@ -127,6 +142,31 @@ class ConditionExaminer final : public BoxExaminer {
     return Location::unknown;
   }
 
+  bool is_of_a_set() const {
+    return statement_.condition == Condition::initial || statement_.condition == Condition::unsafe ||
+           statement_.condition == Condition::containment;
+  }
+
+  // A box that holds all points of this one at which the condition asks for something: from each end of each side, as much
+  // as surely lies outside of the set is cut off, to a 64th of the side.
+  Box asked_part(Box box) const {
+    if (!spares_ || !is_of_a_set() || location(box) != Location::unknown) return box;
+    for (Eigen::Index d = 0; d < box.dimension(); ++d) {
+      const double width = box.upper[d] - box.lower[d];
+      for (Vector Box::*end : {&Box::lower, &Box::upper}) {
+        const double inwards = end == &Box::lower ? width : -width;
+        for (double share = 0.5; share > 0.01; share *= 0.5) {
+          Box cut = box;
+          const double at = (box.*end)[d] + share * inwards;
+          if (!(at > box.lower[d] && at < box.upper[d])) continue;
+          (end == &Box::lower ? cut.upper : cut.lower)[d] = at;
+          if (location(cut) == Location::outside) (box.*end)[d] = at;
+        }
+      }
+    }
+    return box;
+  }
+
   // The rows that are still to be decided; the others hold.
   std::vector<Eigen::Index> where_it_applies(BoxBatch& batch) const {
     std::vector<Eigen::Index> rows;
@@ -169,8 +209,9 @@ class ConditionExaminer final : public BoxExaminer {
       const std::vector<Eigen::Index> tile_rows(rows.begin() + first, rows.begin() + last);
       Points lower(tile_rows.size(), tile_.dimension()), upper = lower;
       for (std::size_t lane = 0; lane < tile_rows.size(); ++lane) {
-        lower.row(lane) = batch.lower.row(tile_rows[lane]);
-        upper.row(lane) = batch.upper.row(tile_rows[lane]);
+        const Box box = asked_part(box_of(batch.lower, batch.upper, tile_rows[lane]));
+        lower.row(lane) = box.lower.transpose();
+        upper.row(lane) = box.upper.transpose();
       }
       tile_.assign(lower, upper, 0, lower.rows());
       visit(tile_rows);
@@ -221,7 +262,7 @@ class ConditionExaminer final : public BoxExaminer {
   }
 
   Statement statement_;
-  bool negated_, along_field_;
+  bool negated_, along_field_, spares_;
   ScalarEnclosure enclosure_;
   BoxTile tile_;
 };
@@ -383,8 +424,12 @@ Points ConditionProof::samples(std::size_t count, RandomStream& random) const {
   const Eigen::Index certain = std::min(witnesses.rows(), static_cast<Eigen::Index>(count));
   Points points(count, open_lower.cols());
   points.topRows(certain) = witnesses.topRows(certain);
+  // The boxes of the witnesses come first.
+  const bool only_refuted = witnesses.rows() > 0 && points.cols() >= kSpareDimensions;
+  const Eigen::Index boxes = only_refuted ? witnesses.rows() : open_lower.rows();
   points.bottomRows(points.rows() - certain) =
-      points_in_boxes(open_lower, open_upper, static_cast<std::size_t>(points.rows() - certain), random);
+      points_in_boxes(open_lower.topRows(boxes), open_upper.topRows(boxes),
+                      static_cast<std::size_t>(points.rows() - certain), random);
   return points;
 }
 

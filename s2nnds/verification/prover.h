@@ -48,8 +48,8 @@ struct ConditionProof {
   BisectionTree tree;
 
   bool is_proved() const { return verdict.verdict == Verdict::proved; }  // on its whole region
-  // `count` points [count, n] for training: the witnesses, then points drawn from the open boxes. Empty if
-  // proved.
+  // `count` points [count, n] for training: the witnesses, then points drawn from the open boxes (where n > 3 from
+  // those of the witnesses, if there are any). Empty if proved.
   Points samples(std::size_t count, RandomStream& random) const;
 };
 

@@ -12,6 +12,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
+#include "s2nnds/problem/region_sampler.h"
 #include "s2nnds/verification/goal_neighbourhood.h"
 #include "s2nnds/verification/network_function.h"
 #include "tests/verification/exact_network.h"
@@ -21,21 +22,21 @@ namespace s2nnds {
 namespace {
 
 // Adds height * bump(x) to output `row` of a network whose layers are tanh, tanh, identity: bump is about 1
-// on the square of half-width `half` around `center` and 0 outside.
-NetworkWeights with_bump(const NetworkWeights& stack, Eigen::Index row, double cx, double cy, double half,
+// on the cube of half-width `half` around `center` [n] and 0 outside.
+NetworkWeights with_bump(const NetworkWeights& stack, Eigen::Index row, const Vector& center, double half,
                          double height) {
   NetworkWeights result = stack;
   const double gain = 4.0 / half;
+  const Eigen::Index n = center.size();
   Layer &first = result.layers[0], &second = result.layers[1], &last = result.layers[2];
   const Eigen::Index a = first.weight.rows(), b = second.weight.rows();
   if (last.bias.size() == 0) last.bias = Vector::Zero(last.weight.rows());
-  first.weight.conservativeResizeLike(Points::Zero(a + 4, 2));
-  first.bias.conservativeResizeLike(Vector::Zero(a + 4));
-  second.weight.conservativeResizeLike(Points::Zero(b + 1, a + 4));
+  first.weight.conservativeResizeLike(Points::Zero(a + 2 * n, n));
+  first.bias.conservativeResizeLike(Vector::Zero(a + 2 * n));
+  second.weight.conservativeResizeLike(Points::Zero(b + 1, a + 2 * n));
   second.bias.conservativeResizeLike(Vector::Zero(b + 1));
   last.weight.conservativeResizeLike(Points::Zero(last.weight.rows(), b + 1));
-  const double center[] = {cx, cy};
-  for (int i = 0; i < 2; ++i) {
+  for (Eigen::Index i = 0; i < n; ++i) {
     for (int side = 0; side < 2; ++side) {
       const Eigen::Index unit = a + 2 * i + side;
       const double sign =
@@ -45,19 +46,23 @@ NetworkWeights with_bump(const NetworkWeights& stack, Eigen::Index row, double c
       second.weight(b, unit) = 5.0 * sign;
     }
   }
-  second.bias(b) = -15.0;  // 5 (2 + 2) - 15 inside, at most 5 * 2 - 15 outside
+  second.bias(b) = 5.0 - 10.0 * static_cast<double>(n);  // the sum is 5 inside, at most -5 outside
   last.weight(row, b) = 0.5 * height;
   last.bias(row) += 0.5 * height;
   return result;
 }
+NetworkWeights with_bump(const NetworkWeights& stack, Eigen::Index row, double cx, double cy, double half,
+                         double height) {
+  return with_bump(stack, row, (Vector(2) << cx, cy).finished(), half, height);
+}
 
 // -x in effect, with the layers with_bump wants: -20 tanh(tanh(x / 20)).
-NetworkWeights soft_stable_field() {
-  const Points identity = Points::Identity(2, 2);
+NetworkWeights soft_stable_field(Eigen::Index n = 2) {
+  const Points identity = Points::Identity(n, n);
   NetworkWeights f;
-  f.layers = {layer(0.05 * identity, Vector::Zero(2), Activation::tanh),
-              layer(identity, Vector::Zero(2), Activation::tanh),
-              layer(-20.0 * identity, Vector::Zero(2), Activation::identity)};
+  f.layers = {layer(0.05 * identity, Vector::Zero(n), Activation::tanh),
+              layer(identity, Vector::Zero(n), Activation::tanh),
+              layer(-20.0 * identity, Vector::Zero(n), Activation::identity)};
   f.head = Head::zero_at_origin;
   return f;
 }
@@ -158,6 +163,42 @@ TEST(Prover, SeesAViolationOnlyAtTheWorkspacesEdge) {
   result = prove(networks, open_problem, 0.01, quick());
   EXPECT_EQ(result[Condition::containment].verdict.verdict, Verdict::refuted);
   EXPECT_NE(result.guarantee, Guarantee::invariant);
+}
+
+// In four dimensions boxes are looked at only where a condition asks for something: nothing that it asks for may be lost.
+TEST(Prover, InFourDimensionsSeesSmallViolationsOfEachCondition) {
+  const SafetyProblem problem = simple_problem(4);
+  ProofOptions options = quick();
+  options.max_boxes = 1000000;
+  const Networks sound = {soft_stable_field(4), quadratic_lyapunov(4), square_barrier(4)};
+  const ProofResult whole = prove(sound, problem, 1e-3, options);
+  EXPECT_EQ(whole.guarantee, Guarantee::invariant);
+  const auto at = [](double x, double y, double z, double w) { return (Vector(4) << x, y, z, w).finished(); };
+  const auto expect_seen = [&](Condition condition, const Networks& networks) {
+    const ConditionProof proof =
+        prove_condition(condition, ProofFunctions::of(networks), problem, 1e-3, options);
+    EXPECT_EQ(proof.verdict.verdict, Verdict::refuted) << to_string(condition);
+    EXPECT_GE(proof.verdict.boxes, 1);
+  };
+  const auto with_hole = [&](const Vector& center, double height) {
+    Networks networks = sound;
+    networks.B = with_bump(sound.B, 0, center, 2e-3, height);
+    return networks;
+  };
+  // Just within the sets, and far from their middle.
+  expect_seen(Condition::initial, with_hole(at(0.3, -0.2 + 0.197, 0.0, 0.0), 3.0));
+  expect_seen(Condition::unsafe, with_hole(at(1.05, 1.05, 0.0, -0.097), -3.0));
+  expect_seen(Condition::containment, with_hole(at(0.2, 0.97 * 1.25 + 3e-3, 0.1, -0.3), -3.0));
+  expect_seen(Condition::containment, with_hole(at(0.2, -0.1, 0.7, -1.249), -3.0));
+  // On the x axis, where B = 0.
+  double low = 0.5, high = 1.2;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (sound.B.value(at(middle, 0.0, 0.0, 0.0).transpose())(0, 0) < 0.0 ? low : high) = middle;
+  }
+  Networks networks = sound;
+  networks.f = with_bump(sound.f, 0, at(low, 0.0, 0.0, 0.0), 2e-3, 3.0);
+  expect_seen(Condition::barrier_decrease, networks);
 }
 
 TEST(Prover, SeesAViolationOnly1e6FromTheGoal) {
@@ -355,23 +396,18 @@ TEST(Prover, RejectsWhatDoesNotFit) {
   EXPECT_THROW(prove(networks, simple_problem(), 0.01), Error);
 }
 
-// Ascends the residual from the worst points of a grid; what it finds must never have been called proved.
+// Ascends the residual from the worst of many points; what it finds must never have been called proved.
 double largest_residual(const Networks& networks, const SafetyProblem& problem, double level_band,
                         Condition condition) {
-  const int side = 80;
-  Points x(side * side, 2);
-  for (int i = 0; i < side; ++i) {
-    for (int j = 0; j < side; ++j)
-      x.row(i * side + j) << -1.25 + 2.5 * i / (side - 1), -1.25 + 2.5 * j / (side - 1);
-  }
+  RandomStream random(7, "largest residual");
+  const Points x = uniform_points(problem.workspace, 6400, random);
   const auto column = static_cast<Eigen::Index>(condition);
   Eigen::Index at = 0;
   double best = residuals(networks, problem, level_band, x).col(column).maxCoeff(&at);
   Points point = x.row(at);
   for (double step = 0.02; step > 1e-6; step *= 0.7) {
     Points around = point.replicate(8, 1);
-    for (int k = 0; k < 8; ++k)
-      around.row(k) += step * Eigen::RowVector2d(std::cos(k * M_PI / 4), std::sin(k * M_PI / 4));
+    for (double& coordinate : around.reshaped()) coordinate += step * random.uniform(-1.0, 1.0);
     around = around.cwiseMax(-1.25).cwiseMin(1.25);
     const double found = residuals(networks, problem, level_band, around).col(column).maxCoeff(&at);
     if (found > best) {
@@ -382,13 +418,13 @@ double largest_residual(const Networks& networks, const SafetyProblem& problem, 
   return best;
 }
 
-TEST(Prover, NeverProvesMutatedNetworksThatASearchRefutes) {
-  const SafetyProblem problem = simple_problem();
+void expect_mutants_to_be_seen(Eigen::Index n, int mutants, std::int64_t boxes) {
+  const SafetyProblem problem = simple_problem(n);
   RandomStream random(6, "mutants");
   int proved = 0, refuted = 0;
-  for (int k = 0; k < 30; ++k) {
-    Networks networks = {soft_stable_field(), quadratic_lyapunov(), square_barrier()};
-    const double noise = 0.02 * std::pow(1.16, k);
+  for (int k = 0; k < mutants; ++k) {
+    Networks networks = {soft_stable_field(n), quadratic_lyapunov(n), square_barrier(n)};
+    const double noise = 0.02 * std::pow(1.16, k * 30.0 / mutants);
     for (NetworkWeights* stack : {&networks.f, &networks.V, &networks.B}) {
       for (Layer& each : stack->layers) {
         for (double& w : each.weight.reshaped()) w *= 1.0 + noise * random.normal();
@@ -396,7 +432,7 @@ TEST(Prover, NeverProvesMutatedNetworksThatASearchRefutes) {
       }
     }
     ProofOptions options = ProofOptions::fail_fast();
-    options.max_boxes = 8000;
+    options.max_boxes = boxes;
     const ProofResult result = prove(networks, problem, 0.02, options);
     for (Condition condition : all_conditions) {
       const bool violated = is_violated(condition, largest_residual(networks, problem, 0.02, condition));
@@ -405,9 +441,12 @@ TEST(Prover, NeverProvesMutatedNetworksThatASearchRefutes) {
       refuted += violated;
     }
   }
-  EXPECT_GT(proved, 40);
-  EXPECT_GT(refuted, 10);
+  EXPECT_GT(3 * proved, 4 * mutants);
+  EXPECT_GT(3 * refuted, mutants);
 }
+
+TEST(Prover, NeverProvesMutatedNetworksThatASearchRefutes) { expect_mutants_to_be_seen(2, 30, 8000); }
+TEST(Prover, NeverProvesMutatedNetworksInFourDimensions) { expect_mutants_to_be_seen(4, 15, 200000); }
 
 TEST(GoalNeighbourhood, FollowsTheLinearisation) {
   const NetworkFunction lyapunov(quadratic_lyapunov());

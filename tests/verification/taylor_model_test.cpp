@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "s2nnds/verification/band_bound.h"
 #include "s2nnds/verification/network_function.h"
 #include "tests/verification/exact_network.h"
 
@@ -167,7 +168,7 @@ void expect_form_to_hold(const TileForm& form, const BoxTile& tile, Eigen::Index
 void expect_networks_to_hold(int networks, int points, RandomStream& random) {
   for (int k = 0; k < networks; ++k) {
     const Activation activation = curved[k % 5];
-    const Eigen::Index n = 1 + static_cast<Eigen::Index>(random.below(3)), width = 3 + random.below(4);
+    const Eigen::Index n = 1 + static_cast<Eigen::Index>(random.below(4)), width = 3 + random.below(4);
     const NetworkWeights f =
         random_stack({n, width, n}, curved[random.below(5)], Head::zero_at_origin, random);
     const bool norm = random.below(2) == 0;
@@ -189,6 +190,9 @@ void expect_networks_to_hold(int networks, int points, RandomStream& random) {
         expect_form_to_hold(value, tile, t, x, exact.value[0]);
         expect_form_to_hold(rate, tile, t, x, exact.rate[0]);
         expect_form_to_hold(partial, tile, t, x, exact_network(y, x, axis).rate[0]);
+        const double band = std::nextafter(static_cast<double>(abs(exact.value[0])), INFINITY);
+        ASSERT_LE(exact.rate[0], upper_within(rate, value, band, tile)(t))
+            << "n = " << n << ", band " << band;
       }
     }
   }
@@ -272,6 +276,67 @@ TEST(TaylorModel, ExcessShrinksQuadratically) {
       previous_remainder = form.remainder(0);
     }
   }
+}
+
+// In a thin band around {y = 0} through the middle of a box, the rate's bound is near the largest rate there, of which
+// the bound on all of the box is far.
+TEST(TaylorModel, BoundsWithinABandAreTight) {
+  RandomStream random(9, "band");
+  const Eigen::Index n = 4;
+  double within = 0.0, everywhere = 0.0;
+  for (int k = 0; k < 20; ++k) {
+    const NetworkWeights f = random_stack({n, 16, n}, Activation::tanh, Head::zero_at_origin, random);
+    NetworkWeights y = random_stack({n, 16, 1}, Activation::tanh, Head::plain, random);
+    const double half = 0.01, band = 1e-4;
+    const Points middle = Points::NullaryExpr(1, n, [&] { return random.uniform(-1.0, 1.0); });
+    y.layers.back().bias = Vector::Zero(1);
+    y.layers.back().bias(0) = -y.value(middle)(0, 0);
+    const NetworkFunction field(f), function(y);
+    ScalarEnclosure enclosure(function, &field);
+    BoxTile tile(n);
+    tile.assign(middle.array() - half, middle.array() + half, 0, 1);
+    const TileForm value = enclosure.value(tile), rate = enclosure.lie_derivative(tile);
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < 20000; ++i) {
+      Points x = middle;
+      for (Eigen::Index d = 0; d < n; ++d) x(0, d) += half * in_unit(random);
+      // Into the band, along y's steepest axis.
+      Eigen::Index steepest = 0;
+      double slope = 0.0;
+      for (Eigen::Index d = 0; d < n; ++d) {
+        if (std::abs(value.gradient[d](0)) > std::abs(slope)) slope = value.gradient[steepest = d](0);
+      }
+      x(0, steepest) -= y.value(x)(0, 0) / slope;
+      Points values, rates;
+      y.value_and_derivative(x, f.value(x), values, rates);
+      if (std::abs(values(0, 0)) > band || std::abs(x(0, steepest) - middle(0, steepest)) > half) continue;
+      low = std::min(low, rates(0, 0));
+      high = std::max(high, rates(0, 0));
+    }
+    ASSERT_LT(low, high);
+    EXPECT_GE(upper_within(rate, value, band, tile)(0), high);
+    within += (upper_within(rate, value, band, tile)(0) - high) / (high - low);
+    everywhere += (rate.upper(tile)(0) - high) / (high - low);
+  }
+  EXPECT_LT(within / 20, 0.1);
+  EXPECT_GT(everywhere / 20, 0.2);
+}
+
+// A form that is not a number, or a band around one, gives no bound.
+TEST(TaylorModel, NotANumberBoundsNothingWithinABand) {
+  BoxTile tile(2);
+  for (TileRow& row : tile.half) row.setConstant(0.1);
+  TileForm rate(2), level(2);
+  rate.value.setConstant(-1.0);
+  rate.gradient[0].setOnes();
+  level.gradient[0].setOnes();
+  EXPECT_LT(upper_within(rate, level, 0.01, tile)(0), 0.0);
+  TileForm broken = rate;
+  broken.gradient[1](0) = std::nan("");
+  EXPECT_FALSE(upper_within(broken, level, 0.01, tile)(0) < 1e300);
+  broken = level;
+  broken.value(0) = std::nan("");
+  EXPECT_FALSE(upper_within(rate, broken, 0.01, tile)(0) < 1e300);
 }
 
 // A point costs only rounding errors.
