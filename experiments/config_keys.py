@@ -20,8 +20,8 @@ A configuration is a TOML file. Every key has a default, so a file names only wh
 overrides the file. A run file holds every value that was used (`s2nnds info RUN.h5 --all`).
 
 This page is written by `experiments/config_keys.py`; a test compares it with the program. Defaults are those of the profile
-`robust`; where `paper` or `imitation` differ, the default column says so. The sets of `problem` are in the data's unit and frame
-(`problem.frame`). All other lengths and velocities are normalised (goal at the origin, largest coordinate and velocity 1) unless
+`robust`; where `smooth`, `paper` or `imitation` differ, the default column says so. The sets of `problem` are in the data's unit
+and frame (`problem.frame`). All other lengths and velocities are normalised (goal at the origin, largest coordinate and velocity 1) unless
 the meaning says otherwise.
 
 Folders: `handwriting/` needs no data; `lasa/`, `lasa_other/`, `abc_ds/` and `other/` need the data of
@@ -112,7 +112,7 @@ def page(rows):
         if not words:
             missing.append(row["key"])
         default = f"`{row['default']}`"
-        for profile in ("paper", "imitation"):
+        for profile in ("smooth", "paper", "imitation"):
             if profile in row:
                 default += f"; {profile}: `{row[profile]}`"
         when = f"With `{row['when']}`. " if row["when"] else ""

@@ -140,7 +140,7 @@ int keys() {
     config.problem.unsafe.type = type;
     table.add(config, fmt::format("type = \"{}\"", type));
   }
-  for (const std::string profile : {"paper", "imitation"}) {
+  for (const std::string profile : {"smooth", "paper", "imitation"}) {
     table.add(default_config(profile), fmt::format("profile = \"{}\"", profile));
     table.add_profile(profile);
   }

@@ -144,7 +144,10 @@ std::string new_config_text(const Scene& scene, bool unit_is_guessed, const std:
       scene.data.demonstrations.size(), program_version());
   for (const std::string& line : scene.data.report) text += "# " + line + "\n";
   for (const std::string& problem : scene.warnings) text += "# PROBLEM: " + problem + "\n";
-  text += setting("name", toml_text(scene.config.name)) + "\n\n";
+  text += setting("name", toml_text(scene.config.name)) + "\n";
+  if (scene.data.dimension() + (scene.phase.used ? 1 : 0) == most_proved_dimensions)
+    text += line("profile = \"smooth\"", "four dimensions: networks on which a proof ends");
+  text += "\n";
   text += data_section(scene, unit_is_guessed, data_flag) + "\n" + problem_section(scene);
   if (scene.data.dimension() > most_proved_dimensions) {
     text += "\n[verification]\n" + line("method = \"conformal\"",

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/runs/smooth_profile.h"
 
 namespace s2nnds {
 namespace {
@@ -32,7 +33,7 @@ void EvaluationOptions::visit(FieldVisitor& v) {
 void Config::visit(FieldVisitor& v) {
   v.field("name", name);
   const std::string before = profile;
-  v.field("profile", profile, {"robust", "paper", "imitation"});
+  v.field("profile", profile, {"robust", "smooth", "paper", "imitation"});
   if (profile != before) {  // one was read: the other keys start from its defaults
     const std::string same = name;
     *this = default_config(profile);
@@ -84,13 +85,17 @@ Config default_config(const std::string& profile) {
   Config config;
   config.profile = profile;
   if (profile == "robust") return config;
+  if (profile == "smooth") {
+    make_smooth(config);
+    return config;
+  }
   if (profile == "imitation") {
     config.networks.choose_forms(false);
     config.training = imitation_training();
     config.verification.method = Method::sampled;
     return config;
   }
-  check(profile == "paper", "profile: found \"{}\", expected robust, paper or imitation", profile);
+  check(profile == "paper", "profile: found \"{}\", expected robust, smooth, paper or imitation", profile);
   config.problem.workspace = 1.0;
   config.problem.containment = 0.0;
   config.networks = paper_networks();

@@ -54,7 +54,7 @@ struct EvaluationOptions {
 // field.
 struct Config {
   std::string name = "motion";       // of the motion, for file names, tables and messages
-  std::string profile = "robust";    // whose defaults the other keys start from: robust, paper, imitation
+  std::string profile = "robust";    // whose defaults the other keys start from; smooth: for four dimensions
   std::int64_t seed = 0;             // of all random numbers of the run, >= 0
   DataOptions data;                  // demonstrations, and how they are split
   ProblemOptions problem;            // workspace X, initial set X0 and unsafe set Xu
@@ -76,7 +76,7 @@ struct Config {
 };
 
 // The defaults of a profile. Throws Error on an unknown one.
-//   robust: what is made to be proved; paper: the paper's networks, losses and algorithm;
+//   robust: what is made to be proved; smooth: the same in four dimensions; paper: the paper's networks and algorithm;
 //   imitation: f alone, fitted without any condition and so without a guarantee, for comparison.
 Config default_config(const std::string& profile);
 

@@ -181,6 +181,14 @@ std::optional<std::string> sides_warning(const SafetyProblem& problem, const Fra
 
 std::string dimension_warning(Config config, Eigen::Index dimension) {
   config.choose_for(dimension);
+  if (dimension == most_proved_dimensions && config.profile == "robust" &&
+      config.verification.method == Method::proof) {
+    return fmt::format(
+        "a proof in {} dimensions ends in minutes with profile = \"smooth\"; with the networks of robust it "
+        "may "
+        "take many times as many boxes, or not end",
+        dimension);
+  }
   if (dimension <= most_proved_dimensions || config.verification.method != Method::proof) return "";
   return fmt::format(
       "a proof in {} dimensions is hardly to be hoped for: it gives up, mostly within half a minute, where "

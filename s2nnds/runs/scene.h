@@ -43,7 +43,7 @@ std::vector<std::string> impossibilities(const SafetyProblem& problem, const Fra
 std::optional<std::string> sides_warning(const SafetyProblem& problem, const Frame& frame,
                                          const std::vector<Demonstration>& normalised);
 
-// That a proof is asked for in more dimensions than it is likely to end in: "" in up to four.
+// That a proof is asked for which is unlikely to end: in over four dimensions, or in four with profile robust; else "".
 std::string dimension_warning(Config config, Eigen::Index dimension);
 
 // How far each demonstration, in normalised units, stays from the obstacle within the workspace; the result is

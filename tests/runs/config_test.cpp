@@ -11,7 +11,7 @@ namespace s2nnds {
 namespace {
 
 TEST(Config, EveryProfileComesBackFromItsText) {
-  for (const char* profile : {"robust", "paper", "imitation"}) {
+  for (const char* profile : {"robust", "smooth", "paper", "imitation"}) {
     const Config config = default_config(profile);
     const std::string text = to_toml(config);
     EXPECT_EQ(to_toml(parse_config(text, "test")), text);

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes test problems in four dimensions, recordings and configuration each: four motions of four joints, and four planar
-motions of second order as states (position, velocity).
+"""Writes test problems, recordings and configuration each: in four dimensions four motions of four joints, and four planar
+motions of second order as states (position, velocity); and a motion of two, three, four and five joints.
 
-    python3 make_four_dimensions.py FOLDER     # FOLDER/joints_1/config.toml ... FOLDER/second_order_4/config.toml
+    python3 make_more_dimensions.py FOLDER     # FOLDER/joints_1/config.toml ... FOLDER/second_order_4/config.toml,
+                                               # FOLDER/growth_2/config.toml ... FOLDER/growth_5/config.toml
 """
 
 import os
@@ -30,6 +31,9 @@ JOINTS = {
     ),
 }
 
+# Start, goal and bend of a motion of as many joints as are taken of them [rad].
+GROWTH = ([-0.8, -0.5, 0.4, 0.3, -0.4], [0.3, 0.2, -0.3, -0.4, 0.2], [0.1, 0.25, 0.2, -0.1, 0.1])
+
 # x'' = -stiffness x - damping v + turn (v_2, -v_1) + bend x x', in m and s, and an obstacle in (x, v).
 SECOND_ORDER = {
     "second_order_1": (1.0, 2.0, 0.0, 0.0, None),
@@ -43,6 +47,13 @@ SECOND_ORDER = {
         '{ type = "box", lower = [-0.9, 0.75, -inf, -inf], upper = [-0.4, 1.1, inf, inf] }',
     ),
 }
+
+
+JOINT_KEYS = 'state = "joints"\nunit = "rad"\n'
+
+
+def joint_names(count):
+    return ["time", *(f"joint_{j + 1}" for j in range(count))]
 
 
 def minimum_jerk(s):
@@ -61,7 +72,7 @@ def joint_motion(start, goal, bend, rng):
     times = np.linspace(0.0, 4.0, 101)
     # Not at rest at either end, which no motion x' = f(x) is at the start.
     s = np.clip(minimum_jerk(0.05 + 0.95 * times / 4.0), 0.0, 1.0)[:, None]
-    start = np.asarray(start) + rng.uniform(-0.05, 0.05, 4)
+    start = np.asarray(start) + rng.uniform(-0.05, 0.05, len(start))
     return np.column_stack([times, start + s * (np.asarray(goal) - start) + np.sin(np.pi * s) * np.asarray(bend)])
 
 
@@ -79,14 +90,14 @@ def second_order_motion(stiffness, damping, turn, bend, rng):
 def main():
     folder = sys.argv[1]
     rng = np.random.default_rng(11)
-    head = 'name = "{}"\n\n[data]\nsource = "csv"\nfiles = ["d*.csv"]\n{}\n[problem]\n{}'
+    head = 'name = "{}"\nprofile = "smooth"\n\n[data]\nsource = "csv"\nfiles = ["d*.csv"]\n{}\n[problem]\n{}'
     for name, (start, goal, bend, obstacle) in JOINTS.items():
         unsafe = f"unsafe = {obstacle}\n" if obstacle else ""
         write(
             os.path.join(folder, name),
-            ["time", *(f"joint_{j + 1}" for j in range(4))],
+            joint_names(4),
             [joint_motion(start, goal, bend, rng) for _ in range(5)],
-            head.format(name, 'state = "joints"\nunit = "rad"\n', unsafe),
+            head.format(name, JOINT_KEYS, unsafe),
         )
     columns = 'columns = { position = ["x", "y", "vx", "vy"], velocity = ["dx", "dy", "ax", "ay"] }\n'
     for name, (*law, obstacle) in SECOND_ORDER.items():
@@ -96,6 +107,14 @@ def main():
             ["time", "x", "y", "vx", "vy", "dx", "dy", "ax", "ay"],
             [second_order_motion(*law, rng) for _ in range(5)],
             head.format(name, columns, unsafe),
+        )
+    for joints in range(2, 6):
+        motion = [numbers[:joints] for numbers in GROWTH]
+        write(
+            os.path.join(folder, f"growth_{joints}"),
+            joint_names(joints),
+            [joint_motion(*motion, rng) for _ in range(5)],
+            head.format(f"growth_{joints}", JOINT_KEYS, ""),
         )
 
 
