@@ -13,6 +13,7 @@ constexpr int kMostBisections = 4096;
 constexpr double kGoodCover = 0.05;           // share of the inner volume that may be undecided
 constexpr std::size_t kSearchDraws = 200000;  // draws of which none hit: the region counts as empty
 constexpr std::size_t kBatch = 1024;
+constexpr std::size_t kDrawnAnew = 8;  // one point in so many, where there is a stock
 
 struct Undecided {
   Box box;
@@ -105,13 +106,22 @@ Points RegionSampler::sample(std::size_t count, RandomStream& random) const {
   Points candidates(static_cast<Eigen::Index>(std::clamp<std::size_t>(2 * count, 64, kBatch)),
                     region_->dimension());
   std::vector<bool> accepted(static_cast<std::size_t>(candidates.rows()));
-  for (Eigen::Index filled = 0; filled < samples.rows();) {
+  const std::size_t anew = stock_.rows() > 0 ? (count + kDrawnAnew - 1) / kDrawnAnew : count;
+  Eigen::Index filled = 0;
+  while (filled < static_cast<Eigen::Index>(anew)) {
     draw(candidates, accepted, random);
-    for (Eigen::Index k = 0; k < candidates.rows() && filled < samples.rows(); ++k) {
+    for (Eigen::Index k = 0; k < candidates.rows() && filled < static_cast<Eigen::Index>(anew); ++k) {
       if (accepted[static_cast<std::size_t>(k)]) samples.row(filled++) = candidates.row(k);
     }
   }
+  for (; filled < samples.rows(); ++filled)
+    samples.row(filled) =
+        stock_.row(static_cast<Eigen::Index>(random.below(static_cast<std::size_t>(stock_.rows()))));
   return samples;
+}
+
+void RegionSampler::keep_stock(std::size_t count, RandomStream& random) {
+  if (!empty()) stock_ = sample(count, random);
 }
 
 std::optional<RegionSampler> sampler_of(const RegionPtr& region, const Box& within) {

@@ -20,8 +20,11 @@ class RegionSampler {
   // No point was found: the region is (as far as sampling can tell) empty within the box. True for sets
   // without volume.
   bool empty() const { return cover_.empty(); }
-  // [count, n]. Throws Error if empty.
+  // [count, n]. Throws Error if empty. With a stock the points are no longer independent.
   Points sample(std::size_t count, RandomStream& random) const;
+  // Draws `count` points, of which all samples from now on take seven in eight, and draw the others anew: for training,
+  // where points of a thin set of many dimensions cost more than all else. Nothing if empty.
+  void keep_stock(std::size_t count, RandomStream& random);
   // Least volume of the region within the box: of the sub-boxes that lie inside; 0 if empty.
   double volume_inside() const { return volume_inside_; }
   // Greatest volume of the region within the box: of all sub-boxes that may hold points; 0 if empty.
@@ -37,6 +40,7 @@ class RegionSampler {
   std::vector<bool> inside_;
   double volume_inside_ = 0.0;
   double volume_cover_ = 0.0;
+  Points stock_;  // [count, n] or none
 };
 
 // A sampler of the region; none for no region, and for one that is empty within the box.

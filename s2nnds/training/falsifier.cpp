@@ -7,14 +7,16 @@
 
 #include "s2nnds/networks/evaluator.h"
 #include "s2nnds/training/climb.h"
+#include "s2nnds/training/training_sampler.h"
 
 namespace s2nnds {
 namespace {
 
-std::vector<RegionSampler> sample_regions(const SafetyProblem& problem) {
+std::vector<RegionSampler> sample_regions(const SafetyProblem& problem, const char* name) {
   std::vector<RegionSampler> samplers;
   for (const RegionPtr& region : {problem.initial, problem.unsafe, problem.workspace_margin}) {
-    if (auto sampler = sampler_of(region, problem.workspace)) samplers.push_back(std::move(*sampler));
+    if (auto sampler = training_sampler(region, problem.workspace, name))
+      samplers.push_back(std::move(*sampler));
   }
   return samplers;
 }
@@ -74,7 +76,7 @@ std::int64_t Counterexamples::total() const {
 }
 
 RandomFalsifier::RandomFalsifier(const SafetyProblem& problem, const FalsifierOptions& options)
-    : options_(options), samplers_(sample_regions(problem)) {}
+    : options_(options), samplers_(sample_regions(problem, "falsifier/random")) {}
 
 Counterexamples RandomFalsifier::find(const Networks& networks, const SafetyProblem& problem,
                                       double level_band, std::uint64_t seed, std::int64_t round) {
@@ -87,7 +89,10 @@ Counterexamples RandomFalsifier::find(const Networks& networks, const SafetyProb
 
 LocalSearchFalsifier::LocalSearchFalsifier(const SafetyProblem& problem, const FalsifierOptions& options,
                                            int starts, int steps)
-    : options_(options), samplers_(sample_regions(problem)), starts_(starts), steps_(steps) {}
+    : options_(options),
+      samplers_(sample_regions(problem, "falsifier/local search")),
+      starts_(starts),
+      steps_(steps) {}
 
 Counterexamples LocalSearchFalsifier::find(const Networks& networks, const SafetyProblem& problem,
                                            double level_band, std::uint64_t seed, std::int64_t round) {
@@ -142,7 +147,7 @@ RegionFalsifier::RegionFalsifier(const SafetyProblem& problem, std::int64_t samp
   for (const auto& [condition, region] :
        {std::pair{Condition::initial, problem.initial}, std::pair{Condition::unsafe, problem.unsafe},
         std::pair{Condition::containment, problem.workspace_margin}}) {
-    if (auto sampler = sampler_of(region, problem.workspace))
+    if (auto sampler = training_sampler(region, problem.workspace, "falsifier/regions"))
       regions_.emplace_back(condition, std::move(*sampler));
   }
 }

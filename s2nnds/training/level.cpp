@@ -8,6 +8,7 @@
 
 #include "s2nnds/conditions/worst_perturbation.h"
 #include "s2nnds/networks/dynamics.h"
+#include "s2nnds/training/training_sampler.h"
 
 namespace s2nnds {
 namespace {
@@ -31,9 +32,11 @@ double highest_free(double high, double distance, std::vector<double> values) {
 }  // namespace
 
 LevelChoice::LevelChoice(const SafetyProblem& problem, const LevelOptions& options)
-    : workspace_(problem.workspace), options_(options), initial_(sampler_of(problem.initial, workspace_)) {
+    : workspace_(problem.workspace),
+      options_(options),
+      initial_(training_sampler(problem.initial, workspace_, "level")) {
   for (const RegionPtr& region : {problem.unsafe, problem.workspace_margin}) {
-    if (auto sampler = sampler_of(region, workspace_)) outside_.push_back(std::move(*sampler));
+    if (auto sampler = training_sampler(region, workspace_, "level")) outside_.push_back(std::move(*sampler));
   }
 }
 

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/verification/network_function.h"
+#include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
 namespace {
@@ -51,11 +53,17 @@ Points near_band(const Points& lower, const Vector& side, double band, ScalarEnc
 }  // namespace
 
 BandSampler::BandSampler(const NetworkWeights& B, const Box& within, double band)
-    : barrier_(B), band_(band), lower_(within.lower.transpose()), side_(within.upper - within.lower) {
+    : barrier_(B),
+      quick_barrier_(B),
+      band_(band),
+      lower_(within.lower.transpose()),
+      side_(within.upper - within.lower) {
   check(barrier_.input_dimension() == within.dimension() && within.is_finite() && !within.is_empty(),
         "band sampler: found a box of dimension {}, expected a finite one of dimension {}",
         within.dimension(), barrier_.input_dimension());
   check(band >= 0.0, "band sampler: found band = {}, expected >= 0", band);
+  // Twice, since a point may leave the box by its rounding.
+  if (!is_sum_of_squares(B.head)) quick_error_ = 2.0 * (float32_error(B, within) + float64_error(B, within));
   const NetworkFunction network(B);
   ScalarEnclosure enclosure(network, nullptr);
   for (int i = 0; i < kMostHalvings && lower_.rows() > 0 && lower_.rows() < kEnoughBoxes; ++i) {
@@ -77,6 +85,16 @@ Points BandSampler::draw(std::int64_t count, RandomStream& random) const {
   return x;
 }
 
+Points BandSampler::not_surely_off(const Points& x) const {
+  const Points barrier = quick_barrier_.value(x);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    const bool off = std::abs(barrier(i, 0)) > band_ + quick_error_ && std::isfinite(barrier(i, 0));
+    if (!off) kept.push_back(i);
+  }
+  return x(kept, Eigen::all);
+}
+
 Points BandSampler::sample(std::int64_t count, RandomStream& random) const {
   Points found(count, lower_.cols());
   Eigen::Index rows = 0;
@@ -88,10 +106,11 @@ Points BandSampler::sample(std::int64_t count, RandomStream& random) const {
         draws >= std::max(kLookPerPoint * count, kFirstLook) && 2 * kDrawsPerPoint * rows < draws;
     if (hopeless || draws / kDrawsPerPoint >= count) break;
     const Points x = draw(batch, random);
-    const Points barrier = barrier_.value(x);
-    for (Eigen::Index i = 0; i < x.rows() && rows < count; ++i) {
+    const Points near = not_surely_off(x);
+    const Points barrier = barrier_.value(near);
+    for (Eigen::Index i = 0; i < near.rows() && rows < count; ++i) {
       const bool off = std::abs(barrier(i, 0)) > band_ && std::isfinite(barrier(i, 0));
-      if (!off) found.row(rows++) = x.row(i);
+      if (!off) found.row(rows++) = near.row(i);
     }
   }
   return found.topRows(rows);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "s2nnds/core/random.h"
 #include "s2nnds/networks/evaluator.h"
@@ -26,8 +27,13 @@ class BandSampler {
 
  private:
   Points draw(std::int64_t count, RandomStream& random) const;
+  // Those that B in single precision, less its rounding errors, does not show to be off the band.
+  Points not_surely_off(const Points& x) const;
 
   Evaluator barrier_;
+  BasicEvaluator<float> quick_barrier_;
+  // |B in single - B in double precision| at most
+  double quick_error_ = std::numeric_limits<double>::infinity();
   double band_;
   Points lower_;  // [M, n] of the cover's boxes, which all have one size
   Vector side_;   // [n]

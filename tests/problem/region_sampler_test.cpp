@@ -5,6 +5,8 @@
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "s2nnds/core/check.h"
 
@@ -83,6 +85,21 @@ TEST(RegionSampler, TheStreamDecidesThePoints) {
   EXPECT_NE(first, sampler.sample(100, c));
   EXPECT_NE(first, sampler.sample(100, a));
   EXPECT_EQ(sampler.sample(0, a).rows(), 0);
+}
+
+TEST(RegionSampler, WithAStockOneInEightIsDrawnAnew) {
+  RegionSampler sampler(ball(Vector{{0.1, -0.2}}, 0.5), Box::cube(2, 1.0));
+  RandomStream random(2, "stock");
+  sampler.keep_stock(100, random);
+  const Points x = sampler.sample(800, random);
+  ASSERT_EQ(x.rows(), 800);
+  std::set<std::pair<double, double>> places;
+  for (Eigen::Index k = 0; k < x.rows(); ++k) {
+    EXPECT_LE(std::hypot(x(k, 0) - 0.1, x(k, 1) + 0.2), 0.5);
+    places.emplace(x(k, 0), x(k, 1));
+  }
+  EXPECT_LE(places.size(), 200u);
+  EXPECT_GT(places.size(), 150u);
 }
 
 }  // namespace

@@ -175,11 +175,13 @@ class TenThousandMotions(ProgramTest):
         rng = np.random.default_rng(3)
         q = rng.uniform(starts.min(axis=0) - 0.02, starts.max(axis=0) + 0.02, (10000, 7))
         nearest, h = np.inf, 0.02
-        for _ in range(2000):
+        for step in range(2000):
             nearest = min(nearest, distance_to_ball(q, np.array([0.6, 0.0, 0.38])).min())
             q = q + h * run.velocity(q + 0.5 * h * run.velocity(q))
-        farthest = np.linalg.norm(q - run.data.goal, axis=1).max()
-        print(f"  the nearest link of 10,000 motions is {1e3 * (nearest - 0.14):.1f} mm from the ball; at the end all are within {farthest:.3f} rad")
+            farthest = np.linalg.norm(q - run.data.goal, axis=1).max()
+            if farthest < 0.05:
+                break
+        print(f"  the nearest link of 10,000 motions is {1e3 * (nearest - 0.14):.1f} mm from the ball; after {step * h:.0f} s all are within {farthest:.3f} rad")
         self.assertGreater(nearest, 0.14)  # 6 cm of the links, 8 cm of the ball
         self.assertLess(farthest, 0.1)
         self.assertEqual(code, 0, err)
