@@ -11,8 +11,8 @@
 namespace s2nnds {
 namespace {
 
-constexpr int kMoves = 6;             // of Newton's method
-constexpr double kLongestMove = 0.5;  // as a share of the workspace's largest half width
+constexpr int kMoves = 6, kMovesOfAStep = 2;  // of Newton's method: at first, after each step of a climb
+constexpr double kLongestMove = 0.5;          // as a share of the workspace's largest half width
 
 Points spread_points(const Box& workspace, std::int64_t count, RandomStream& random) {
   Points x = uniform_points(workspace, count, random);
@@ -21,14 +21,14 @@ Points spread_points(const Box& workspace, std::int64_t count, RandomStream& ran
 }
 
 // Each point goes to a level of its own within the band, as far as it gets, within the workspace.
-void move_onto_band(const NetworkWeights& barrier, const Box& workspace, double level_band, Points& x,
-                    RandomStream& random) {
+void move_onto_band(const NetworkWeights& barrier, const Box& workspace, double level_band, int moves,
+                    Points& x, RandomStream& random) {
   const BasicEvaluator<float> B(barrier);
   const double longest = kLongestMove * workspace.half_widths().maxCoeff();
   Vector level(x.rows()), value;
   for (double& each : level) each = level_band * random.uniform(-1.0, 1.0);
   Points gradient;
-  for (int move = 0; move < kMoves; ++move) {
+  for (int move = 0; move < moves; ++move) {
     B.value_and_gradient(x, value, gradient);
     for (Eigen::Index i = 0; i < x.rows(); ++i) {
       const double square = std::max(gradient.row(i).squaredNorm(), std::numeric_limits<double>::min());
@@ -47,9 +47,13 @@ Counterexamples BandFalsifier::find(const Networks& networks, const SafetyProble
   constexpr Condition condition = Condition::barrier_decrease;
   RandomStream random(seed, "falsifier/band", round);
   Points x = spread_points(problem.workspace, samples_, random);
-  move_onto_band(networks.B, problem.workspace, level_band, x, random);
+  const auto onto_band = [&](int moves, Points& points) {
+    move_onto_band(networks.B, problem.workspace, level_band, moves, points, random);
+  };
+  onto_band(kMoves, x);
   const Vector rate = residual(condition, networks, problem, level_band, x);  // -infinity off the band
-  return climb(condition, networks, problem, level_band, x, rate, near_, random);
+  return climb(condition, networks, problem, level_band, x, rate, near_, random,
+               [&](Points& trial) { onto_band(kMovesOfAStep, trial); });
 }
 
 }  // namespace s2nnds

@@ -35,7 +35,7 @@ std::vector<Eigen::Index> worst_rows(const Vector& rank, std::size_t most) {
 
 Counterexamples climb(Condition condition, const Networks& networks, const SafetyProblem& problem,
                       double level_band, const Points& x, const Vector& rank, double near,
-                      RandomStream& random) {
+                      RandomStream& random, const std::function<void(Points&)>& onto) {
   Points best = x(worst_rows(rank, kClimbers), Eigen::all);
   Vector value = residual(condition, networks, problem, level_band, best);
   double length = kFirstStep * problem.workspace.half_widths().maxCoeff();
@@ -47,6 +47,7 @@ Counterexamples climb(Condition condition, const Networks& networks, const Safet
                                  problem.workspace.upper[k]);
       }
     }
+    if (onto) onto(trial);
     const Vector reached = residual(condition, networks, problem, level_band, trial);  // -infinity elsewhere
     for (Eigen::Index i = 0; i < trial.rows(); ++i) {
       if (!(reached[i] > value[i])) continue;

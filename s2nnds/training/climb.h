@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+
 #include "s2nnds/conditions/condition.h"
 #include "s2nnds/core/random.h"
 #include "s2nnds/training/counterexample.h"
@@ -9,11 +11,12 @@ namespace s2nnds {
 
 // Of points x [N, n] of the region where a condition applies, those with the largest `rank` [N] (of a residual in any
 // precision), at most 500, climb: each tries normal steps, ever shorter, within the workspace, and takes those that raise
-// its residual (in double). Where the condition does not apply it never comes. Of the ends, those that violate the condition
+// its residual (in double). Where the condition does not apply it never comes; `onto`, unless
+// empty, moves what a step leads to back to where it does, for thin sets. Of the ends, those that violate the condition
 // count; those whose residual is above -near (>= 0) are handed on, too, for training: in many dimensions violations are
 // left in so many places that few of them are found at a time.
 Counterexamples climb(Condition condition, const Networks& networks, const SafetyProblem& problem,
                       double level_band, const Points& x, const Vector& rank, double near,
-                      RandomStream& random);
+                      RandomStream& random, const std::function<void(Points&)>& onto = {});
 
 }  // namespace s2nnds
