@@ -311,7 +311,8 @@ class Finder {
     }
     std::vector<std::size_t> found;
     for (const auto& [stem, parts] : groups) {
-      const bool whole = std::all_of(kParts.begin(), kParts.end(), [&](char c) { return parts.contains(c); });
+      const bool whole =
+          std::all_of(kParts.begin(), kParts.end(), [&there = parts](char c) { return there.contains(c); });
       const bool is_one = stem == "q" || stem == "q_" || has_one_of(stem, {"quat", "orient", "rot"});
       if (!whole || !is_one) continue;
       if (!found.empty()) return {};  // not clear
