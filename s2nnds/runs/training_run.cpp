@@ -47,12 +47,13 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
   } else {
     trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
     if (setup.problem.dimension() > most_proved_dimensions) {
-      // What leaves less than half of a margin is trained on as if it were a violation.
+      // What leaves less than half of a margin is trained on as if it were a violation. The rate on the band is the
+      // roughest of the residuals.
       const LossOptions& loss = options.loss;
       const std::int64_t samples = std::max<std::int64_t>(1, config.training.samples / 10);
       trainer.add_source(std::make_shared<RegionFalsifier>(setup.problem, samples, 0.5 * loss.margin_initial,
                                                            0.5 * loss.margin_unsafe));
-      trainer.add_source(std::make_shared<BandFalsifier>(samples, 0.5 * loss.margin_barrier_decrease));
+      trainer.add_source(std::make_shared<BandFalsifier>(3 * samples, 0.5 * loss.margin_barrier_decrease));
     }
   }
   trainer.set_rollout_labels(
