@@ -417,6 +417,7 @@ Network read_network(const File& file, const string& group, string& hashed) {
   const auto add = [&](const auto& word) { hashed.append(reinterpret_cast<const char*>(&word), 8); };
   const auto add_text = [&](const string& text) { add(text.size()), hashed += text; };
   Network network{file.text(group, "head"), file.number(group, "quadratic"), {}, {}};
+  if (network.head == "diffeomorphism") fail("V as a diffeomorphism, which this program cannot check");
   const auto count = static_cast<size_t>(file.number(group, "layers"));
   add_text(network.head == "zero_at_origin" ? "anchored" : network.head);
   add(network.quadratic);
@@ -686,7 +687,6 @@ bool run(const string& path, const std::vector<string>& policies) {
   return all;
 }
 }  // namespace
-
 int main(int argc, char** argv) {
   const std::vector<string> arguments(argv + 1, argv + argc);
   if (arguments.empty() || arguments[0].starts_with("-"))

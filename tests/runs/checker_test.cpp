@@ -227,6 +227,12 @@ TEST_F(Checker, RefusesWhatItCannotReadWithOneCode) {
   other.B.layers.front().activation = Activation::elu;
   claim(record, other);
   EXPECT_EQ(exit_code(record), 2);
+  record = run_of(hand_made());
+  other = simple_networks();
+  other.V.head = Head::diffeomorphism;
+  other.V.quadratic = 0.0;
+  claim(record, other);
+  EXPECT_EQ(exit_code(record), 2);
 }
 
 TEST_F(Checker, ReadsExpressions) {
