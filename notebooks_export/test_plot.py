@@ -442,7 +442,7 @@ class ReaderTest(TemporaryFolder):
 
             return change
 
-        self.bad("schema_version: found 9, expected 4", lambda file: file.attrs.modify("schema_version", 9))
+        self.bad("schema_version: found 9, expected 5", lambda file: file.attrs.modify("schema_version", 9))
         self.bad("/networks: missing", lambda file: file.__delitem__("networks"))
         self.bad("weight_1", replace("networks/V/weight_1", np.zeros((5, 9))))
         self.bad("bias_0.*expected", replace("networks/B/bias_0", np.zeros(3)))

@@ -85,7 +85,8 @@ def title_of(run):
         facts.append(f"test error {speed:.3g} {run.data.unit}/s (RMS)" if in_unit else f"test MSE {error:.3g}")
     if np.isfinite(safe):
         facts.append(f"safe set {safe:.0%} of the truly safe one")
-    return "\n".join([f"{name_of(run)}: guarantee {run.guarantee}", *([", ".join(facts)] if facts else [])])
+    stability = ", stability proved" if run.certificate["stability"].get("proved", 0) else ""
+    return "\n".join([f"{name_of(run)}: guarantee {run.guarantee}{stability}", *([", ".join(facts)] if facts else [])])
 
 
 def has_phase(run):
