@@ -20,9 +20,10 @@ struct ColumnOptions {
   std::vector<std::string> velocity;  // of recorded velocities, as many as positions; "none": differentiate
   std::string index;                  // tells the demonstrations of one file apart: a new value, a new one
   // Of quaternions, four (data.quaternion_order says in which order), where data.state is "pose"; without them those are
-  // taken whose names end in x, y, z and w (qx, orientation.w, ...). In npz and hdf5 files one name of [M, 4].
+  // taken whose names end in x, y, z and w (qx, orientation.w, ...). In npz, mat and hdf5 files one name of [M, 4].
   std::vector<std::string> quaternion;
-  // Of rotation matrices in place of quaternions, nine, row by row. In npz and hdf5 files one name of [M, 9] or [M, 3, 3].
+  // Of rotation matrices in place of quaternions, nine, row by row. In npz and hdf5 files one name of [M, 9] or
+  // [M, 3, 3], in mat files of [M, 9].
   std::vector<std::string> rotation;
 
   void visit(FieldVisitor& v);  // names each field once

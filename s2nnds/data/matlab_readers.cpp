@@ -319,7 +319,25 @@ class NamedMatrices {
     const bool none = wanted.velocity == Names{"none"};
     if (!none && (!wanted.velocity.empty() || any(velocity, find) != nullptr))
       r.velocity = matrices(find, wanted.velocity, velocity, r.samples(), "velocity", where);
+    add_orientation(set, r, find);
     set.recordings.push_back(std::move(r));
+  }
+
+  // Quaternions [M, 4], or rotation matrices row by row [M, 9].
+  void add_orientation(RecordingSet& set, Recording& r, const Find& find) const {
+    const ColumnOptions& wanted = options_.columns;
+    const Names& named = wanted.rotation.empty() ? wanted.quaternion : wanted.rotation;
+    const Names usual = {"quaternion", "quaternions", "quat", "orientation", "rotation"};
+    const bool found = any(names_of(named, usual), find) != nullptr;
+    set.has_orientations = set.has_orientations || found;
+    if (options_.state != "pose") return;
+    check(found, "{}: {}", r.where, kNoOrientation);
+    const std::string_view key = wanted.rotation.empty() ? "quaternion" : "rotation";
+    r.orientation = matrices(find, named, usual, r.samples(), key, r.where);
+    const Eigen::Index columns = r.orientation.cols();
+    check(columns == 4 || columns == 9,
+          "{}: found orientations of {} numbers; expected 4 of a quaternion or 9 of a rotation matrix",
+          r.where, columns);
   }
 
   std::string path_;

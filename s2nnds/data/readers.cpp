@@ -119,8 +119,6 @@ void read_state(RecordingSet& recordings, const DataOptions& options) {
     recordings.quaternion_order.clear();
     return;
   }
-  check(options.source != "mat",
-        "data.state: found pose with source mat; expected csv, npy or hdf5, which can have orientations");
   std::string& order = recordings.quaternion_order;
   check(order.empty() || options.quaternion_order == "auto" || order == options.quaternion_order,
         "data.quaternion_order: found {}, but the columns are named {}; expected one order",

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <matio.h>
 
+#include <Eigen/Geometry>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -110,6 +111,55 @@ TEST_F(MatlabReaders, LasaDefectsAreNamed) {
   expect_rejected(
       {cells("demos", {structure({{"pos", position_}, {"t", Points{{0}, {1}, {1}}}, {"vel", velocity_}})})},
       "demonstration 0: sample 2: found time 1 after 1");
+}
+
+// Quaternions with a sign that flips, either way round, and rotation matrices row by row.
+TEST_F(MatlabReaders, OrientationsOfNamedMatrices) {
+  const Eigen::Index m = 21;
+  Points time(m, 1), position(m, 3), quaternion(m, 4), rotation(m, 9);
+  std::vector<Eigen::Quaterniond> shown;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const double s = static_cast<double>(i) / static_cast<double>(m - 1);
+    const Eigen::Quaterniond q(
+        Eigen::AngleAxisd(1.0 - s, Eigen::Vector3d(0.6, 0.64, 0.48).normalized()).toRotationMatrix());
+    shown.push_back(q);
+    time(i, 0) = 0.1 * static_cast<double>(i);
+    position.row(i) << 1 - s, s * s, 0.5 * s;
+    quaternion.row(i) << q.w(), q.x(), q.y(), q.z();
+    if (i % 2 == 1) quaternion.row(i) *= -1.0;
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> r = q.toRotationMatrix();
+    rotation.row(i) = Eigen::Map<const Eigen::RowVectorXd>(r.data(), 9);
+  }
+  DataOptions options;
+  options.source = "mat";
+  options.files = {"made.mat"};
+  options.state = "pose";
+  options.quaternion_order = "wxyz";
+  options.cleaning.rest = 0;
+  const auto expect_shown = [&](const std::vector<matvar_t*>& variables) {
+    write(variables);
+    const DemonstrationSet set = read_demonstrations(options, folder_.path(""));
+    EXPECT_TRUE(set.has_orientations);
+    const Points& q = set.demonstrations.at(0).orientation;
+    ASSERT_EQ(q.rows(), m);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const Eigen::Quaterniond read(q(i, 0), q(i, 1), q(i, 2), q(i, 3));
+      EXPECT_NEAR(read.angularDistance(shown[static_cast<std::size_t>(i)]), 0.0, 1e-7);
+    }
+  };
+  const auto part = [](const char* name, const Points& values) { return matrix(name, values); };
+  expect_shown({part("time", time), part("position", position), part("quaternion", quaternion)});
+  expect_shown(
+      {part("time", time), part("position", position), matrix("quaternion", Points(quaternion.transpose()))});
+  options.columns.rotation = {"R"};
+  expect_shown({part("time", time), part("position", position), part("R", rotation)});
+  write({part("time", time), part("position", position)});
+  expect_error([&] { read_demonstrations(options, folder_.path("")); }, "found no orientations");
+  write({part("time", time), part("position", position), part("R", position)});
+  expect_error([&] { read_demonstrations(options, folder_.path("")); },
+               "found orientations of 3 numbers; expected 4 of a quaternion or 9 of a rotation matrix");
+  options.state = "position";
+  EXPECT_EQ(read_demonstrations(options, folder_.path("")).demonstrations[0].orientation.size(), 0);
 }
 
 TEST_F(MatlabReaders, DsOptWithAndWithoutVelocitiesAndTimeStep) {
