@@ -16,7 +16,8 @@ constexpr int kSteps = 20;
 // next one is.
 constexpr double kFirstStep = 0.1, kShorter = 0.8;
 
-// The rows with the largest rank, at most `most`, largest first; NaN counts as largest.
+}  // namespace
+
 std::vector<Eigen::Index> worst_rows(const Vector& rank, std::size_t most) {
   const auto key = [&](Eigen::Index i) {
     return std::isnan(rank[i]) ? std::numeric_limits<double>::infinity() : rank[i];
@@ -30,8 +31,6 @@ std::vector<Eigen::Index> worst_rows(const Vector& rank, std::size_t most) {
   order.resize(count);
   return order;
 }
-
-}  // namespace
 
 Counterexamples climb(Condition condition, const Networks& networks, const SafetyProblem& problem,
                       double level_band, const Points& x, const Vector& rank, double near,

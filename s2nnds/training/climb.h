@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <vector>
 
 #include "s2nnds/conditions/condition.h"
 #include "s2nnds/core/random.h"
 #include "s2nnds/training/counterexample.h"
 
 namespace s2nnds {
+
+// The rows with the largest rank [N], at most `most`, largest first; NaN counts as largest.
+std::vector<Eigen::Index> worst_rows(const Vector& rank, std::size_t most);
 
 // Of points x [N, n] of the region where a condition applies, those with the largest `rank` [N] (of a residual in any
 // precision), at most 500, climb: each tries normal steps, ever shorter, within the workspace, and takes those that raise

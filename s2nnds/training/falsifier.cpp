@@ -2,7 +2,6 @@
 #include "s2nnds/training/falsifier.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "s2nnds/networks/evaluator.h"
@@ -35,20 +34,12 @@ Points all_samples(const SafetyProblem& problem, const std::vector<RegionSampler
   return x;
 }
 
-// The `keep` rows with the largest residual of condition q, largest first; NaN counts as largest.
+// Of the rows `among`, in ascending order, the `keep` with the largest residual of condition q, largest first.
 std::vector<Eigen::Index> worst(const Points& residual, Eigen::Index q, std::size_t keep,
                                 const std::vector<Eigen::Index>& among) {
-  std::vector<Eigen::Index> order = among;
-  const auto key = [&](Eigen::Index i) {
-    const double r = residual(i, q);
-    return std::isnan(r) ? std::numeric_limits<double>::infinity() : r;
-  };
-  keep = std::min(keep, order.size());
-  std::partial_sort(order.begin(), order.begin() + keep, order.end(), [&](Eigen::Index a, Eigen::Index b) {
-    return key(a) != key(b) ? key(a) > key(b) : a < b;
-  });
-  order.resize(keep);
-  return order;
+  std::vector<Eigen::Index> rows = worst_rows(residual.col(q)(among), keep);
+  for (Eigen::Index& row : rows) row = among[static_cast<std::size_t>(row)];
+  return rows;
 }
 
 Counterexamples violators(const Points& x, const Points& residual, std::int64_t keep) {
