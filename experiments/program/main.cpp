@@ -62,6 +62,9 @@ int run(int argc, char** argv) {
   sub->add_option("--unit", fresh.unit, "of the positions: m, mm, cm, rad, deg or another text");
   sub->add_option("--time", fresh.time, "column of the times, by name or number from 0");
   sub->add_option("--position", fresh.position, "columns of the positions");
+  sub->add_option("--quaternion", fresh.quaternion, "columns of the orientations");
+  sub->add_option("--quaternion-order", fresh.quaternion_order, "of the numbers in them")
+      ->check(CLI::IsMember({"xyzw", "wxyz"}));
   sub->add_option("--time-unit", fresh.time_unit, "of the times")
       ->check(CLI::IsMember({"s", "ms", "us", "ns"}));
   sub->add_option("--rate", fresh.rate, "samples per second, of files without times")

@@ -49,7 +49,7 @@ Box box_of(const Scene& scene) {
   return box;
 }
 
-std::string data_section(const Scene& scene, bool unit_is_guessed, const std::string& data_flag) {
+std::string data_section(const Scene& scene, const Guesses& guesses, const std::string& data_flag) {
   const DataOptions& data = scene.config.data;
   std::string text = "[data]\n" + line(setting("source", toml_text(data.source)));
   if (data.files.empty()) {
@@ -58,17 +58,18 @@ std::string data_section(const Scene& scene, bool unit_is_guessed, const std::st
     text += line(setting("files", toml_text(data.files)),
                  data_flag.empty() ? "files, folders or patterns" : "below --data " + data_flag);
   }
-  if (!data.columns.time.empty() || !data.columns.position.empty()) {
-    std::string columns;
-    if (!data.columns.time.empty()) columns = setting("time", toml_text(data.columns.time));
-    if (!data.columns.position.empty())
-      columns += (columns.empty() ? "" : ", ") + setting("position", toml_text(data.columns.position));
-    text += line(fmt::format("columns = {{ {} }}", columns));
-  }
+  std::vector<std::string> columns;
+  if (!data.columns.time.empty()) columns.push_back(setting("time", toml_text(data.columns.time)));
+  if (!data.columns.position.empty())
+    columns.push_back(setting("position", toml_text(data.columns.position)));
+  if (!data.columns.quaternion.empty() && data.state == "pose")
+    columns.push_back(setting("quaternion", toml_text(data.columns.quaternion)));
+  if (!columns.empty()) text += line(fmt::format("columns = {{ {} }}", fmt::join(columns, ", ")));
   if (data.state == "pose") {
     text += line(setting("state", toml_text(data.state)),
                  "positions with orientations; or position, without them");
-    text += line(setting("quaternion_order", toml_text(scene.data.quaternion_order)));
+    text += line(setting("quaternion_order", toml_text(scene.data.quaternion_order)),
+                 guesses.quaternion_order ? "a guess: nothing in the files tells it" : "");
   }
   if (scene.phase.used) {
     text += line(setting("state", toml_text(std::string("phase"))),
@@ -77,9 +78,9 @@ std::string data_section(const Scene& scene, bool unit_is_guessed, const std::st
   if (data.time_unit != "auto") text += line(setting("time_unit", toml_text(data.time_unit)));
   if (data.rate > 0) text += line(setting("rate", toml_text(data.rate)), "samples per second");
   if (!data.files.empty()) {
-    text += line(setting("unit", toml_text(scene.data.unit)),
-                 unit_is_guessed ? "guessed from the size of the motion: check it"
-                                 : "of all coordinates in this file");
+    text += line(
+        setting("unit", toml_text(scene.data.unit)),
+        guesses.unit ? "guessed from the size of the motion: check it" : "of all coordinates in this file");
   }
   if (!data.frame_name.empty()) text += line(setting("frame_name", toml_text(data.frame_name)));
   const Survey& s = scene.survey;
@@ -137,7 +138,7 @@ std::string problem_section(const Scene& scene) {
 
 }  // namespace
 
-std::string new_config_text(const Scene& scene, bool unit_is_guessed, const std::string& data_flag) {
+std::string new_config_text(const Scene& scene, const Guesses& guesses, const std::string& data_flag) {
   std::string text = fmt::format(
       "# {} demonstration(s), read by s2nnds {}. Trains as it stands; every key: "
       "experiments/configs/README.md\n",
@@ -148,7 +149,7 @@ std::string new_config_text(const Scene& scene, bool unit_is_guessed, const std:
   if (scene.data.dimension() + (scene.phase.used ? 1 : 0) == most_proved_dimensions)
     text += line("profile = \"smooth\"", "four dimensions: networks on which a proof ends");
   text += "\n";
-  text += data_section(scene, unit_is_guessed, data_flag) + "\n" + problem_section(scene);
+  text += data_section(scene, guesses, data_flag) + "\n" + problem_section(scene);
   if (scene.data.dimension() > most_proved_dimensions) {
     text += "\n[verification]\n" + line("method = \"conformal\"",
                                         "a proof covers the whole workspace, too much in so many dimensions");

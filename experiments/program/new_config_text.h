@@ -7,8 +7,14 @@
 
 namespace s2nnds::program {
 
-// A commented configuration for what `new` found; it trains as it stands. `unit_is_guessed` and the --data that
+// What the files did not tell.
+struct Guesses {
+  bool unit = false;
+  bool quaternion_order = false;
+};
+
+// A commented configuration for what `new` found; it trains as it stands. The guesses and the --data that
 // paths count from, "" when they are whole, go into comments.
-std::string new_config_text(const Scene& scene, bool unit_is_guessed, const std::string& data_flag);
+std::string new_config_text(const Scene& scene, const Guesses& guesses, const std::string& data_flag);
 
 }  // namespace s2nnds::program

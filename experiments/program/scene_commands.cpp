@@ -261,6 +261,8 @@ DataOptions data_options(const NewArguments& arguments, const std::string& data_
   data.unit = arguments.unit;
   data.columns.time = arguments.time;
   data.columns.position = arguments.position;
+  data.columns.quaternion = arguments.quaternion;
+  if (!arguments.quaternion_order.empty()) data.quaternion_order = arguments.quaternion_order;
   data.rate = arguments.rate;
   if (!arguments.time_unit.empty()) data.time_unit = arguments.time_unit;
   return data;
@@ -282,6 +284,20 @@ std::string guess_unit(const Survey& survey, Eigen::Index dimension) {
   return survey.extent < 0.01 ? "" : survey.extent < 20 ? "m" : survey.extent < 2e4 ? "mm" : "";
 }
 
+// The recordings as poses. Where nothing tells the quaternions' order, it is guessed. Throws Error where neither works.
+Scene look_at_poses(Config config, const std::string& data_dir, Guesses& guesses) {
+  config.data.state = "pose";
+  try {
+    return look_at(config, data_dir);
+  } catch (const Error&) {
+    if (config.data.quaternion_order != "auto") throw;
+    config.data.quaternion_order = "xyzw";
+    Scene scene = look_at(config, data_dir);
+    guesses.quaternion_order = true;
+    return scene;
+  }
+}
+
 }  // namespace
 
 int new_config(const NewArguments& arguments, const CommonArguments& common) {
@@ -294,11 +310,10 @@ int new_config(const NewArguments& arguments, const CommonArguments& common) {
   Scene scene = look_at(config, data_dir, print_reading);
   // Orientations beside positions: poses, unless what is told of them cannot be used.
   std::string not_turned;
+  Guesses guesses;
   if (scene.data.has_orientations && scene.data.dimension() <= 3) {
-    Config poses = config;
-    poses.data.state = "pose";
     try {
-      Scene turned = look_at(poses, data_dir);
+      Scene turned = look_at_poses(config, data_dir, guesses);
       if (turned.frame || !scene.frame) {
         scene = std::move(turned);
       } else {
@@ -319,14 +334,20 @@ int new_config(const NewArguments& arguments, const CommonArguments& common) {
   if (scene.data.unit.empty()) {
     scene.data.unit = scene.config.data.unit = guess_unit(scene.survey, scene.data.dimension());
     if (scene.frame) scene.frame->unit = scene.data.unit;
-    unit_note =
-        scene.data.unit.empty() ? "" : " (guessed from the size of the motion: say --unit if it is another)";
+    guesses.unit = !scene.data.unit.empty();
+    unit_note = !guesses.unit ? "" : " (guessed from the size of the motion: say --unit if it is another)";
     scene.warnings = warnings_of(scene.survey, scene.data.unit, scene.phase.used);
   }
   scene.warnings.insert(scene.warnings.begin(), refusals.begin(), refusals.end());
   if (!not_turned.empty()) scene.warnings.push_back("orientations are left out: " + not_turned);
+  guesses.quaternion_order = guesses.quaternion_order && not_turned.empty();
+  if (guesses.quaternion_order)
+    scene.warnings.push_back(
+        "data.quaternion_order: nothing in the files tells the order of their quaternions, and xyzw is a "
+        "guess: in the "
+        "wrong one angles stay as they are, and frames do not; say --quaternion-order");
   const std::string figure = sibling(arguments.out, ".png");
-  write_atomic_file(arguments.out, new_config_text(scene, !unit_note.empty(), common.data), "configuration");
+  write_atomic_file(arguments.out, new_config_text(scene, guesses, common.data), "configuration");
   fmt::print("{}{}", found_text(scene, unit_note), problems_text(scene));
   const bool drawn = draw(scene, figure);
   const std::string data_flag = common.data.empty() ? "" : " --data " + common.data;

@@ -37,6 +37,7 @@ void read_table(const std::string& path, const Array& table, const TableOptions&
   std::vector<std::string> names;
   for (Eigen::Index i = 0; i < table.shape.back(); ++i) names.push_back(std::to_string(i));
   Columns columns = find_columns(names, false, options.rate <= 0, options.columns, path);
+  set.has_orientations = !columns.orientation.empty();
   if (options.state != "pose") columns.orientation.clear();
   check(options.state != "pose" || !columns.orientation.empty(), "{}: {}", path, kNoOrientation);
   if (set.recordings.empty())

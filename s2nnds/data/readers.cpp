@@ -111,6 +111,13 @@ DemonstrationSet clean_all(const RecordingSet& recordings, const DataOptions& op
   return set;
 }
 
+// Rotation matrices have no order (that of policies is then xyzw), and HDF5 files as `s2nnds import` and robomimic
+// write them have xyzw.
+bool order_is_a_convention(const RecordingSet& recordings, const DataOptions& options) {
+  return recordings.recordings.front().orientation.cols() == 9 ||
+         (options.source == "hdf5" && options.columns.quaternion.empty());
+}
+
 // What the state asks for beyond positions.
 void read_state(RecordingSet& recordings, const DataOptions& options) {
   if (!is_raw(options.source)) return;
@@ -124,7 +131,12 @@ void read_state(RecordingSet& recordings, const DataOptions& options) {
         "data.quaternion_order: found {}, but the columns are named {}; expected one order",
         options.quaternion_order, order);
   if (options.quaternion_order != "auto") order = options.quaternion_order;
-  if (order.empty()) order = "xyzw";
+  if (order.empty() && order_is_a_convention(recordings, options)) order = "xyzw";
+  check(!order.empty(),
+        "{}: found quaternions and nothing that tells their order; expected data.quaternion_order = \"xyzw\" "
+        "or "
+        "\"wxyz\" (in the wrong one, angles stay as they are, and no check can see it)",
+        recordings.recordings.front().where);
   make_unit_orientations(recordings, order);
 }
 

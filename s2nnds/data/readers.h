@@ -41,7 +41,8 @@ struct DataOptions : TableOptions {
   // csv, npy, mat, hdf5: files, folders or patterns (d*.csv), relative to the data directory; in a csv file, a new value
   // of data.columns.index and blank lines begin a new demonstration.
   std::vector<std::string> files;
-  // pose: of the numbers in files, "xyzw" or "wxyz"; auto: as the columns' names say, else xyzw. Policies take this order.
+  // pose: of the numbers in files, "xyzw" or "wxyz"; auto: as the columns' names say, xyzw in HDF5 files as imported, else
+  // training refuses, since no check can see the wrong order. Policies take this order.
   std::string quaternion_order = "auto";
   std::string time_unit = "auto";  // of times in the files: s, ms, us, ns; auto: recognised, and reported
   std::int64_t stride = 1;         // >= 1: keep every stride-th sample (and the last one)

@@ -67,12 +67,20 @@ TEST_F(OrientationReading, NamesTellTheOrder) {
   EXPECT_EQ(set.quaternion_order, "wxyz");
 }
 
-TEST_F(OrientationReading, NumberedColumnsNeedTheOrderOrTakeTheUsualOne) {
+// In the wrong order all angles between orientations are the same: nothing but names or the user can tell.
+TEST_F(OrientationReading, NumberedColumnsNeedTheOrder) {
   DataOptions options;
   options.columns.time = "0";
   options.columns.position = {"1", "2", "3"};
   options.columns.quaternion = {"4", "5", "6", "7"};
+  expect_error([&] { read("a.csv", rows(xyzw), options); }, "nothing that tells their order");
+  options.quaternion_order = "xyzw";
   expect_shown(read("a.csv", rows(xyzw), options));
+  const DemonstrationSet wrong = read("b.csv", rows(wxyz), options);
+  const Points& q = wrong.demonstrations.at(0).orientation;
+  EXPECT_NEAR(angle_between(q.row(0).transpose(), q.row(20).transpose()), angle_between(shown(0), shown(1)),
+              1e-7);
+  EXPECT_GT(angle_between(q.row(0).transpose(), shown(0)), 0.1);
   options.quaternion_order = "wxyz";
   const DemonstrationSet set = read("b.csv", rows(wxyz), options);
   expect_shown(set);
