@@ -19,14 +19,22 @@ constexpr double ball_resolution = 0.004;
 // Probes of the level a side, at most; all of them together cost less than the first boxes do.
 constexpr double most_probes = 100.0;
 
+// Farther than this times the farthest place at which descent failed nearly nothing lies below V's level there.
+constexpr double most_between = 3.0;
+
 // What is known of V's level below which descent is not asked for. For several threads.
 struct LevelSearch {
   std::atomic<double> level = 0.0;
   // V at a place of {B <= 0} that is so far from the goal that a ball with it is not worth telling.
   double useless = infinity;
+  // How far from the goal, in |x|_2, boxes are asked whether they lie below the level: others hardly do, and V costs time.
+  std::atomic<double> near = 0.0;
 
-  // Infinite, so that nothing more is asked for, once it is useless.
-  void raise(double value) { raise_to(level, value < useless ? value : infinity); }
+  // For a place so far from the goal. Infinite, so that nothing more is asked for, once it is useless.
+  void raise(double value, double distance) {
+    raise_to(level, value < useless ? value : infinity);
+    raise_to(near, most_between * distance);
+  }
 };
 
 // Raises the level to V at places, of a grid, where the perturbation may win.
@@ -46,7 +54,7 @@ void probe(const ProofFunctions& functions, const Box& workspace, double useless
   }
   ScalarEnclosure barrier(*functions.B, nullptr), lyapunov(*functions.V, functions.f.get());
   BoxTile tile(n);
-  double level = 0.0;
+  std::vector<std::pair<double, double>> failing;  // V and |x|_2
   for (Eigen::Index first = 0; first < count; first += tile_boxes) {
     const Eigen::Index boxes = std::min<Eigen::Index>(tile_boxes, count - first);
     tile.assign(x, x, first, boxes);
@@ -56,12 +64,12 @@ void probe(const ProofFunctions& functions, const Box& workspace, double useless
     const TileRow rate = lyapunov.lie_derivative(tile).upper(tile) + perturbation.work(lyapunov, tile);
     for (Eigen::Index lane = 0; lane < boxes; ++lane) {
       if (!inside(lane)) continue;
-      if (!(rate(lane) < 0.0)) level = std::max(level, value(lane));
-      if (x.row(first + lane).norm() >= useless_radius)
-        search.useless = std::min(search.useless, value(lane));
+      const double distance = x.row(first + lane).norm();
+      if (distance >= useless_radius) search.useless = std::min(search.useless, value(lane));
+      if (!(rate(lane) < 0.0)) failing.emplace_back(value(lane), distance);
     }
   }
-  search.raise(level);
+  for (const auto& [value, distance] : failing) search.raise(value, distance);
 }
 
 // grad V . (f + delta) < 0 in {B <= 0}; where that cannot be shown, the level is raised to V.
@@ -72,39 +80,45 @@ class DescentExaminer final : public TileExaminer {
       : TileExaminer(functions, resolution), perturbation_(std::move(perturbation)), search_(search) {}
 
  private:
-  // B, V, the rate along f, and at last, where that falls, what the perturbation adds.
+  // B, the rate along f, where that falls what the perturbation adds, and at last V.
   void look(int count) override {
     if (count == 0) {
       low_ = barrier_.value(tile_).lower(tile_);
     } else if (count == 1) {
-      value() = lyapunov_.value(tile_).upper(tile_);
-    } else if (count == 2) {
       const TileForm& form = lyapunov_.lie_derivative(tile_);
       rate() = form.upper(tile_);
       cut_for(form);
-    } else {
+    } else if (count == 2) {
       const TileRow own = perturbation_->work(lyapunov_, tile_);
       carried_ = (own < carried_).select(own, carried_);
+    } else {
+      value_ = lyapunov_.value(tile_).upper(tile_);
     }
   }
   std::optional<BoxStatus> judge(int count, const Lane& lane) override {
     const Eigen::Index at = lane.at;
     if (count == 0) return low_(at) > 0.0 ? std::optional(BoxStatus::proved) : std::nullopt;
-    if (value()(at) <= search_.level) return BoxStatus::proved;
-    if (count == 1) return std::nullopt;
-    if (rate()(at) + carried_(at) * slack < -1e-300) return BoxStatus::proved;
-    if (count == 2 && rate()(at) < 0.0) return std::nullopt;
+    if (count < 3) {
+      if (rate()(at) + carried_(at) * slack < -1e-300) return BoxStatus::proved;
+      if (lane.narrow || is_near(lane) || (count == 1 && rate()(at) < 0.0)) return std::nullopt;
+      return BoxStatus::undecided;
+    }
+    if (value_(at) <= search_.level) return BoxStatus::proved;
     if (!lane.narrow) return BoxStatus::undecided;
-    search_.raise(value()(at));
+    search_.raise(value_(at), lane.upper.cwiseMax(-lane.lower).norm());
     return BoxStatus::abandoned;
   }
 
-  TileRow& value() { return noted_[0]; }  // largest ones on the boxes
-  TileRow& rate() { return noted_[1]; }
+  // Whether the box comes near enough to the goal for its place below V's level to be looked at.
+  bool is_near(const Lane& lane) const {
+    return lane.lower.cwiseMax(-lane.upper).cwiseMax(0.0).norm() <= search_.near;
+  }
+
+  TileRow& rate() { return noted_[0]; }  // largest one on the boxes
 
   std::unique_ptr<Perturbation> perturbation_;
   LevelSearch& search_;
-  TileRow low_;
+  TileRow low_, value_;
 };
 
 // The ball around {V <= level} in {B <= 0}: `radius` is raised to hold every box that is not shown to lie

@@ -6,6 +6,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
+#include "s2nnds/verification/band_bound.h"
 #include "s2nnds/verification/convergence_ball.h"
 #include "s2nnds/verification/rounding.h"
 #include "s2nnds/verification/standard_floating_point.h"
@@ -61,6 +62,15 @@ BoxTile grown(const BoxTile& tile, double distance) {
   return larger;
 }
 
+// Functions first, first + stride, ... of `to` from the models.
+void store(const BoxTile& tile, const TileModels& models, TileIntervals& to, Eigen::Index first,
+           Eigen::Index stride) {
+  for (Eigen::Index i = 0; i < std::ssize(models.remainder); ++i) {
+    to.middle[first + i * stride] = models.value(i);
+    to.radius[first + i * stride] = (models.spread(i, tile) + models.deviation(i, tile)) * slack + underflow;
+  }
+}
+
 // f and its Jacobian on tiles; for one thread.
 class FieldEnclosure {
  public:
@@ -85,15 +95,6 @@ class FieldEnclosure {
   }
 
  private:
-  static void store(const BoxTile& tile, const TileModels& models, TileIntervals& to, Eigen::Index first,
-                    Eigen::Index stride) {
-    for (Eigen::Index i = 0; i < std::ssize(models.remainder); ++i) {
-      to.middle[first + i * stride] = models.value(i);
-      to.radius[first + i * stride] =
-          (models.spread(i, tile) + models.deviation(i, tile)) * slack + underflow;
-    }
-  }
-
   const TaylorFunction& field_;
   std::unique_ptr<TaylorFunction::Workspace> workspace_;
   TileModels models_;
@@ -103,17 +104,6 @@ class FieldEnclosure {
   TileIntervals value,  // [n]
       jacobian;         // [n, n]
 };
-
-TileIntervals gradient_of(ScalarEnclosure& function, const BoxTile& tile) {
-  TileIntervals gradient(tile.dimension());
-  for (Eigen::Index d = 0; d < tile.dimension(); ++d) {
-    const TileForm& partial = function.partial_derivative(tile, d);
-    const TileRow low = partial.lower(tile), high = partial.upper(tile);
-    gradient.middle[d] = 0.5 * low + 0.5 * high;
-    gradient.radius[d] = (0.5 * (high - low) + 1e-15 * (low.abs() + high.abs())) * slack + underflow;
-  }
-  return gradient;
-}
 
 // What follows from the model for the whole of {B <= 0}.
 struct ExecutionBounds {
@@ -175,7 +165,8 @@ class ExecutionPerturbation final : public Perturbation {
 
   TileRow work(ScalarEnclosure& function, const BoxTile& tile) override {
     const ExecutionModel& model = bounds_.model;
-    const TileIntervals gradient = gradient_of(function, tile);
+    TileIntervals gradient(tile.dimension());
+    store(tile, function.gradient(tile), gradient, 0, 1);
     const TileRow norm = gradient.norm();
     if (model.lag > 0.0) {
       return norm * ((bounds_.lag_error + bounds_.noise(bounds_.field)) * slack) * slack;
@@ -256,15 +247,15 @@ class LevelSetExaminer final : public TileExaminer {
       const TileForm& form = barrier_.value(tile_);
       meets_ = !((form.lower(tile_) > 0.0) || (form.upper(tile_) < 0.0));
     } else if (count == 1) {
-      const TileForm& form = barrier_.lie_derivative(tile_);
-      rate() = form.upper(tile_);
-      central_rate() = form.value;
+      const TileForm form = barrier_.lie_derivative(tile_);
+      rate() = upper_within(form, barrier_.value(tile_), 0.0, tile_);
+      const TileRow upper = form.upper(tile_);
+      steady_rate() = (upper - form.value < small * upper.abs()).select(form.value, -infinity);
       cut_for(form);
     } else {
       const TileRow own = perturbation_->work(barrier_, tile_) * slack;
       carried_ = (own < carried_).select(own, carried_);
-      hopeless_ =
-          rate() - central_rate() < small * rate().abs() && central_rate() + (1.0 - small) * own > 0.0;
+      hopeless_ = steady_rate() + (1.0 - small) * own > 0.0;
     }
   }
   std::optional<BoxStatus> judge(int count, const Lane& lane) override {
@@ -277,7 +268,7 @@ class LevelSetExaminer final : public TileExaminer {
   }
 
   TileRow& rate() { return noted_[0]; }
-  TileRow& central_rate() { return noted_[1]; }
+  TileRow& steady_rate() { return noted_[1]; }  // at the centre, where it hardly varies
 
   std::unique_ptr<Perturbation> perturbation_;
   Eigen::Array<bool, tile_boxes, 1> meets_, hopeless_;

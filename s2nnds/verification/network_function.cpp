@@ -305,6 +305,51 @@ void NetworkFunction::jacobian_models(const BoxTile& tile, Workspace& workspace,
   }
 }
 
+void NetworkFunction::gradient_models(const BoxTile& tile, Workspace& workspace, TileModels& gradient) const {
+  Memory& memory = static_cast<Memory&>(workspace);
+  forward_along_axes(tile, memory);
+  subtract_offset(memory);
+  for (Eigen::Index axis = 0; axis < input_dimension(); ++axis) {
+    if (stack_.head == Head::squared_norm) {
+      norm_gradient(tile, memory, axis, gradient);
+    } else {
+      std::copy_n(&memory.a[(1 + axis) * columns()], columns(), &gradient.value(axis));
+      gradient.remainder[axis] = memory.a_remainder[1 + axis] * slack;
+    }
+  }
+}
+
+// 2 sum_i u_i du_i/dx_axis + 2 quadratic x_axis, from the models of u and du/dx_axis: what is beyond second order in
+// their product, and the roundings, against the size of all terms, are in the remainder.
+void NetworkFunction::norm_gradient(const BoxTile& tile, const Memory& memory, Eigen::Index axis,
+                                    TileModels& gradient) const {
+  const Eigen::Index n = input_dimension(), m = maps_.back().weight.rows(), streams = memory.streams;
+  TileRow &value = gradient.value(axis), *slope = gradient.slope(axis), *hessian = gradient.hessian(axis);
+  std::fill(&value, &value + columns(), TileRow());
+  value = 2.0 * stack_.quadratic * tile.center[axis];
+  slope[axis].setConstant(2.0 * stack_.quadratic);
+  TileRow magnitude = 2.0 * stack_.quadratic * (tile.center[axis].abs() + tile.half[axis]), remainder;
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const TileRow *u = &memory.a[i * streams * columns()], *p = u + (1 + axis) * columns();
+    const TileRow &r = memory.a_remainder[i * streams], &p_r = memory.a_remainder[i * streams + 1 + axis];
+    const TileRow spread = linear_size(u + 1, tile), p_spread = linear_size(p + 1, tile);
+    const TileRow curve = quadratic_size(u + 1 + n, tile), p_curve = quadratic_size(p + 1 + n, tile);
+    value += 2.0 * u[0] * p[0];
+    std::size_t at = 0;
+    for (Eigen::Index d = 0; d < n; ++d) {
+      slope[d] += 2.0 * (u[0] * p[1 + d] + p[0] * u[1 + d]);
+      for (Eigen::Index e = d; e < n; ++e, ++at) {
+        hessian[at] +=
+            2.0 * (u[0] * p[1 + n + at] + p[0] * u[1 + n + at] + u[1 + d] * p[1 + e] + u[1 + e] * p[1 + d]);
+      }
+    }
+    remainder += 2.0 * (u[0].abs() * p_r + p[0].abs() * r + spread * (p_curve + p_r) +
+                        (curve + r) * p_spread + (curve + r) * (p_curve + p_r));
+    magnitude += 2.0 * (u[0].abs() + spread + curve) * (p[0].abs() + p_spread + p_curve);
+  }
+  gradient.remainder[axis] = (remainder + sum_rounding(m + 4) * magnitude) * slack;
+}
+
 void NetworkFunction::add_deviations(const BoxTile& tile, Workspace& workspace,
                                      const std::vector<TileRow>& adjoint, TileForm& q) const {
   Memory& memory = static_cast<Memory&>(workspace);

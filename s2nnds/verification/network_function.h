@@ -24,6 +24,7 @@ class NetworkFunction final : public TaylorFunction {
                       TileModels& partials) const override;
   void jacobian_models(const BoxTile& tile, Workspace& workspace, TileModels& y,
                        std::vector<TileModels>& partials) const override;
+  void gradient_models(const BoxTile& tile, Workspace& workspace, TileModels& gradient) const override;
   void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const override;
   void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                       std::vector<TileRow>& adjoint, TileForm& q) const override;
@@ -57,6 +58,8 @@ class NetworkFunction final : public TaylorFunction {
   // The Jacobian of the layers' output N over the cube, [m, n].
   IntervalMatrix jacobian(double half) const;
   void subtract_offset(Memory& memory) const;
+  void norm_gradient(const BoxTile& tile, const Memory& memory, Eigen::Index axis,
+                     TileModels& gradient) const;
   void add_norm(const BoxTile& tile, Memory& memory, TileForm& q) const;
   void add_norm_rate(const BoxTile& tile, const TileModels& direction, Memory& memory,
                      std::vector<TileRow>& adjoint, TileForm& q) const;

@@ -153,6 +153,15 @@ void PolynomialFunction::partial_models(const BoxTile& tile, Workspace& workspac
   }
 }
 
+void PolynomialFunction::gradient_models(const BoxTile& tile, Workspace& workspace,
+                                         TileModels& gradient) const {
+  Memory& memory = static_cast<Memory&>(workspace);
+  for (Eigen::Index axis = 0; axis < dimension_; ++axis) {
+    expand(gradients_[static_cast<std::size_t>(axis)], tile, memory, memory.gradient);
+    put(memory.gradient, axis, gradient);
+  }
+}
+
 void PolynomialFunction::add_deviations(const BoxTile& tile, Workspace& workspace,
                                         const std::vector<TileRow>& adjoint, TileForm& q) const {
   Memory& memory = static_cast<Memory&>(workspace);

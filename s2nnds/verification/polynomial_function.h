@@ -23,6 +23,7 @@ class PolynomialFunction final : public TaylorFunction {
                       TileForm& q) const override;
   void partial_models(const BoxTile& tile, Workspace& workspace, Eigen::Index axis,
                       TileModels& partials) const override;
+  void gradient_models(const BoxTile& tile, Workspace& workspace, TileModels& gradient) const override;
   void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const override;
   void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                       std::vector<TileRow>& adjoint, TileForm& q) const override;

@@ -187,6 +187,7 @@ ScalarEnclosure::ScalarEnclosure(const TaylorFunction& function, const TaylorFun
       function_workspace_(function.workspace()),
       field_workspace_(field != nullptr ? field->workspace() : nullptr),
       direction_(function.input_dimension(), function.input_dimension()),
+      gradient_(direction_),
       adjoint_(function.input_dimension()),
       form_(function.input_dimension()) {
   const Eigen::Index n = function.input_dimension();
@@ -209,6 +210,11 @@ const TileForm& ScalarEnclosure::lie_derivative(const BoxTile& tile) {
   function_.add_derivative(tile, *function_workspace_, direction_, adjoint_, form_);
   field_->add_deviations(tile, *field_workspace_, adjoint_, form_);
   return form_;
+}
+
+const TileModels& ScalarEnclosure::gradient(const BoxTile& tile) {
+  function_.gradient_models(tile, *function_workspace_, gradient_);
+  return gradient_;
 }
 
 const TileForm& ScalarEnclosure::partial_derivative(const BoxTile& tile, Eigen::Index axis) {

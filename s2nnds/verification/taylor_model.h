@@ -151,7 +151,10 @@ class TaylorFunction {
   virtual void jacobian_models(const BoxTile& tile, Workspace& workspace, TileModels& y,
                                std::vector<TileModels>& partials) const;
 
-  // Scalar functions only (m = 1). Adds y(x) to q.
+  // Scalar functions only (m = 1). Models of the gradient [n]: looser than a form for each axis on large boxes, and several
+  // times cheaper.
+  virtual void gradient_models(const BoxTile& tile, Workspace& workspace, TileModels& gradient) const = 0;
+  // Scalar functions only. Adds y(x) to q.
   virtual void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const = 0;
   // Scalar functions only. Adds grad y(x) . d(x) to q, d given by its models [n] but for sum_i adjoint_i
   // (d_i(x) - value_i - slope_i . dx), which the caller still has to add: adjoint [n] is returned.
@@ -179,14 +182,15 @@ class ScalarEnclosure {
 
   const TileForm& value(const BoxTile& tile);           // y
   const TileForm& lie_derivative(const BoxTile& tile);  // grad y . field
-  // The partial derivative dy/dx_axis.
+  const TileModels& gradient(const BoxTile& tile);      // grad y
+  // The partial derivative dy/dx_axis; tighter than gradient() on large boxes.
   const TileForm& partial_derivative(const BoxTile& tile, Eigen::Index axis);
 
  private:
   const TaylorFunction& function_;
   const TaylorFunction* field_;
   std::unique_ptr<TaylorFunction::Workspace> function_workspace_, field_workspace_;
-  TileModels direction_;
+  TileModels direction_, gradient_;
   std::vector<TileRow> adjoint_;
   TileForm form_;
 };

@@ -10,9 +10,11 @@
 
 #include "evaluated_policies.h"
 #include "s2nnds/networks/evaluator.h"
+#include "s2nnds/runs/execution_options.h"
 #include "s2nnds/runs/prepared_run.h"
 #include "s2nnds/runs/run_record.h"
 #include "s2nnds/runs/threads.h"
+#include "s2nnds/verification/executed_motion.h"
 #include "s2nnds/verification/prover.h"
 #include "work.h"
 
@@ -130,6 +132,22 @@ void proof_of_run(benchmark::State& state) {
   report(state, result);
 }
 BENCHMARK(proof_of_run)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+// And that of its motion as executed: invariance and the ball in which it arrives.
+void executed_proof_of_run(benchmark::State& state) {
+  const char* path = std::getenv("S2NNDS_RUN");
+  if (path == nullptr) return state.SkipWithError("set S2NNDS_RUN to a run file");
+  const RunRecord record = load_run(path);
+  const PreparedRun setup = prepare(record);
+  const ProofFunctions functions = ProofFunctions::of(record.networks);
+  const ExecutionModel model =
+      execution_model(setup.config.execution, setup.data.frame, record.certificate.float32_error);
+  ExecutedMotion motion;
+  for (auto _ : state) motion = prove_executed(functions, setup.problem, model);
+  state.SetLabel(motion.invariant ? "invariant as executed" : "open");
+  state.counters["boxes"] = static_cast<double>(motion.boxes);
+}
+BENCHMARK(executed_proof_of_run)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 // One point at a time, as a control loop asks.
 template <typename Velocity>

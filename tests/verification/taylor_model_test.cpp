@@ -164,7 +164,20 @@ void expect_form_to_hold(const TileForm& form, const BoxTile& tile, Eigen::Index
   ASSERT_LE(abs(exact - polynomial), form.remainder(t) * (1 + 1e-11) + 1e-11 * form.magnitude(t) + 1e-15);
 }
 
-// Random networks, heads and boxes: values, Lie derivatives and partial derivatives, `points` a box.
+void expect_models_to_hold(const TileModels& models, Eigen::Index i, const BoxTile& tile, Eigen::Index t,
+                           const ExactVector& x, const Exact& exact) {
+  Exact polynomial = models.value(i)(t);
+  Eigen::Index at = 0;
+  for (std::size_t d = 0; d < x.size(); ++d) {
+    const Exact dx = x[d] - tile.center[d](t);
+    polynomial += models.slope(i)[d](t) * dx + models.hessian(i)[at++](t) * dx * dx / 2;
+    for (std::size_t e = d + 1; e < x.size(); ++e)
+      polynomial += models.hessian(i)[at++](t) * dx * (x[e] - tile.center[e](t));
+  }
+  ASSERT_LE(abs(exact - polynomial), models.remainder[static_cast<std::size_t>(i)](t));
+}
+
+// Random networks, heads and boxes: values, Lie derivatives, gradients and partial derivatives, `points` a box.
 void expect_networks_to_hold(int networks, int points, RandomStream& random) {
   for (int k = 0; k < networks; ++k) {
     const Activation activation = curved[k % 5];
@@ -181,6 +194,7 @@ void expect_networks_to_hold(int networks, int points, RandomStream& random) {
     tile.assign(boxes.lower, boxes.upper, 0, tile_boxes);
     const TileForm value = enclosure.value(tile), rate = enclosure.lie_derivative(tile);
     const TileForm partial = enclosure.partial_derivative(tile, n - 1);
+    const TileModels gradient = enclosure.gradient(tile);
     for (Eigen::Index t = 0; t < tile_boxes; ++t) {
       for (int i = 0; i < points; ++i) {
         const ExactVector x = point_of(boxes, t, random), zero(n, 0);
@@ -190,6 +204,11 @@ void expect_networks_to_hold(int networks, int points, RandomStream& random) {
         expect_form_to_hold(value, tile, t, x, exact.value[0]);
         expect_form_to_hold(rate, tile, t, x, exact.rate[0]);
         expect_form_to_hold(partial, tile, t, x, exact_network(y, x, axis).rate[0]);
+        for (Eigen::Index d = 0; d < n; ++d) {
+          axis = zero;
+          axis[static_cast<std::size_t>(d)] = 1;
+          expect_models_to_hold(gradient, d, tile, t, x, exact_network(y, x, axis).rate[0]);
+        }
         const double band = std::nextafter(static_cast<double>(abs(exact.value[0])), INFINITY);
         ASSERT_LE(exact.rate[0], upper_within(rate, value, band, tile)(t))
             << "n = " << n << ", band " << band;
@@ -353,6 +372,27 @@ TEST(TaylorModel, PointsAreEvaluatedToRounding) {
   const double width = form.upper(tile)(0) - form.lower(tile)(0);
   EXPECT_GT(width, 0.0);
   EXPECT_LT(width, 1e-8 * std::abs(form.value(0)));
+}
+
+// On small boxes a gradient's models leave hardly more open than the form of each partial derivative.
+TEST(TaylorModel, GradientsAreTightOnSmallBoxes) {
+  RandomStream random(9, "gradient");
+  for (const Head head : {Head::plain, Head::squared_norm}) {
+    for (int k = 0; k < 20; ++k) {
+      const NetworkFunction function(
+          random_stack({2, 6, 6, head == Head::plain ? 1 : 3}, Activation::tanh, head, random));
+      ScalarEnclosure enclosure(function, nullptr);
+      const RandomBoxes boxes(2, 1e-4, 1e-3, random);
+      BoxTile tile(2);
+      tile.assign(boxes.lower, boxes.upper, 0, tile_boxes);
+      const TileModels gradient = enclosure.gradient(tile);
+      for (Eigen::Index d = 0; d < 2; ++d) {
+        const TileForm& partial = enclosure.partial_derivative(tile, d);
+        const TileRow width = 2.0 * (gradient.spread(d, tile) + gradient.deviation(d, tile));
+        EXPECT_TRUE((width <= 1.01 * (partial.upper(tile) - partial.lower(tile)) + 1e-5).all());
+      }
+    }
+  }
 }
 
 // One sweep for all axes gives what one for each gives.
