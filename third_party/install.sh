@@ -187,7 +187,10 @@ while read -r name package sign; do
     if [[ -z $(pip_torch) ]] || { [[ $sign != torch ]] && ! "$(python)" -c 'import torch' 2>/dev/null; }; then
       torch+=("$package")
     fi
-  elif installed "$package" || there "$sign"; then
+  elif there "$sign"; then
+    continue
+  # apt's modules are of no use to a virtual environment that does not see the system's.
+  elif installed "$package" && [[ -z ${pip_name[$package]:-} || ! -x $venv/bin/python ]]; then
     continue
   elif [[ $package == *torch* ]]; then
     torch+=("$package")
@@ -237,7 +240,7 @@ from_pip=()
 for package in "${missing[@]}"; do
   # Arb is a part of FLINT since FLINT 3 (Debian 13, Ubuntu 24.04).
   [[ $package != libflint-arb-dev ]] || apt_has libflint-arb-dev || package=libflint-dev
-  if apt_has "$package"; then
+  if apt_has "$package" && ! installed "$package"; then
     from_apt+=("$package")
   elif [[ -n ${pip_name[$package]:-} ]]; then
     from_pip+=("${pip_name[$package]}")
