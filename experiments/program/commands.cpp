@@ -10,6 +10,7 @@
 
 #include "need_libtorch.h"
 #include "progress.h"
+#include "range_command.h"
 #include "run_report.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/json_text.h"
@@ -316,8 +317,12 @@ int export_policy(const ExportArguments& arguments, const CommonArguments& commo
       arguments.out.empty() ? sibling(arguments.run, std::string(format.ending)) : arguments.out;
   check_writable(path);
   const Policy policy = policy_of(record);
-  export_policy(policy, format, {header_precision_from(arguments.precision)}, path);
+  ExportOptions options{header_precision_from(arguments.precision)};
+  if (!arguments.range.obstacle.empty())
+    options.range = chosen_range(arguments.range, prepare(record), record);
+  export_policy(policy, format, options, path);
   fmt::print("{}: {}, guarantee {}\n", path, format.title, policy.info.guarantee);
+  if (options.range) fmt::print("{}", paragraph(range_statement(record, *options.range)));
   if (common.json) fmt::print("{}\n", summary_json(record, arguments.run));
   return kVerified;
 }

@@ -57,10 +57,19 @@ struct EvaluateArguments {
 };
 int evaluate(const EvaluateArguments& arguments, const CommonArguments& common);
 
+// Which displacements of an obstacle are looked at, of `range` and `export --range`.
+struct RangeChoice {
+  std::string obstacle = "all";  // a number from 0, or all
+  double stretch = 0.8;
+  // In the data's unit: one number, a radius; [places], half sizes of a box; none: as far as it goes
+  std::vector<double> within = {};
+};
+
 struct ExportArguments {
   std::string run;
   std::string format;
-  std::string precision = "float";  // of f in a C++ header
+  std::string precision = "float";       // of f in a C++ header
+  RangeChoice range = {.obstacle = ""};  // "": a header for the scene as it is alone
   std::string out;
 };
 int export_policy(const ExportArguments& arguments, const CommonArguments& common);

@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "keys_command.h"
 #include "log.h"
+#include "range_command.h"
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/platform.h"
 #include "s2nnds/deployment/export_format.h"
@@ -34,6 +35,16 @@ void add_export_format(CLI::App& command, ExportArguments& policy) {
   command.add_option("--format", policy.format, fmt::format("{}", fmt::join(help, ", ")))
       ->capture_default_str()
       ->check(CLI::IsMember(names));
+}
+
+void add_range(CLI::App& command, RangeChoice& choice) {
+  command
+      .add_option("--stretch", choice.stretch,
+                  "by what share space may be stretched and squeezed, up to 0.95")
+      ->capture_default_str();
+  command.add_option(
+      "--within", choice.within,
+      "in the data's unit: a radius, or half sizes of a box (one a coordinate), that displacements stay in");
 }
 
 int run(int argc, char** argv) {
@@ -104,6 +115,15 @@ int run(int argc, char** argv) {
   sub->add_option("--out", adapting.out, "run file to write (default RUN-adapted.h5)");
   sub->callback([&] { code = adapt(adapting, common); });
 
+  RangeArguments ranging;
+  sub = command("range", "say how far an obstacle may be displaced with no new training or proof");
+  sub->add_option("run", ranging.run, "certified run file")->required();
+  sub->add_option("--obstacle", ranging.choice.obstacle,
+                  "which of a union, from 0 in the order of problem.unsafe.of, or all")
+      ->capture_default_str();
+  add_range(*sub, ranging.choice);
+  sub->callback([&] { code = range(ranging, common); });
+
   VerifyArguments verification;
   sub = command("verify", "check the networks of a stored run");
   sub->add_option("run", verification.run, "run file")->required();
@@ -135,6 +155,9 @@ int run(int argc, char** argv) {
   add_export_format(*sub, policy);
   sub->add_option("--precision", policy.precision, "header: what f is computed in, float or double")
       ->check(CLI::IsMember({"float", "double"}));
+  sub->add_option("--range", policy.range.obstacle,
+                  "header: also the motion for displacements of this obstacle, a number from 0 or all");
+  add_range(*sub, policy.range);
   sub->add_option("--out", policy.out, "file to write (default: the run's name with the format's ending)");
   sub->callback([&] { code = export_policy(policy, common); });
 

@@ -21,25 +21,6 @@ constexpr Eigen::Index kLastRounds = 6;  // of the history, shown by details()
 
 std::string number(double value) { return std::isnan(value) ? "-" : fmt::format("{:.4g}", value); }
 
-// Breaks at words; every line starts with two blanks.
-std::string paragraph(const std::string& text) {
-  std::string all, line;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    if (!line.empty() && line.size() + word.size() + 3 > kWidth) {
-      all += "  " + line + "\n";
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-  }
-  return all + "  " + line + "\n";
-}
-
-std::string row(const char* name, const std::string& text) {
-  const std::size_t room = kWidth - 18;
-  return fmt::format("  {:<14}  {}\n", name, text.size() > room ? text.substr(0, room - 3) + "..." : text);
-}
-
 // Rows of cells: the first column to the left, the others to the right.
 using Rows = std::vector<std::vector<std::string>>;
 std::string aligned(const Rows& rows) {
@@ -233,6 +214,24 @@ std::string remarks(const RunRecord& record) {
 }
 
 }  // namespace
+
+std::string paragraph(const std::string& text) {
+  std::string all, line;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!line.empty() && line.size() + word.size() + 3 > kWidth) {
+      all += "  " + line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return all + "  " + line + "\n";
+}
+
+std::string row(const char* name, const std::string& text) {
+  const std::size_t room = kWidth - 18;
+  return fmt::format("  {:<14}  {}\n", name, text.size() > room ? text.substr(0, room - 3) + "..." : text);
+}
 
 std::string first_screen(const RunRecord& record, const std::string& path) {
   std::string guarantee(to_string(record.certificate.guarantee));

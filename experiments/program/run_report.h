@@ -7,6 +7,11 @@
 
 namespace s2nnds::program {
 
+// The text broken at words; every line starts with two blanks.
+std::string paragraph(const std::string& text);
+// "  name  text", of one line of a screen.
+std::string row(const char* name, const std::string& text);
+
 // Where the goal lies, how far every demonstration ends from it, and what one normalised unit is: one line.
 std::string frame_line(const RunRecord& record);
 

@@ -10,6 +10,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/orientation.h"
+#include "s2nnds/deployment/displaced_source.h"
 #include "s2nnds/deployment/policy_kernels.h"
 #include "s2nnds/networks/dense_kernels.h"
 
@@ -591,7 +592,8 @@ std::string policy_namespace(const std::string& path) {
   return space;
 }
 
-std::string cpp_header(const Policy& policy, HeaderPrecision precision, const std::string& space) {
+std::string cpp_header(const Policy& policy, HeaderPrecision precision, const std::string& space,
+                       const std::optional<SceneRange>& range) {
   const bool single = precision == HeaderPrecision::float32;
   Text text;
   write_head(text, space);
@@ -616,6 +618,7 @@ std::string cpp_header(const Policy& policy, HeaderPrecision precision, const st
       projected ? fmt::format(kProjectedVelocity, literal(policy.networks.decay, false)) : kVelocity);
   if (policy.orientation) write_orientation(text, policy.info);
   if (shielded) put(text, "{}", kShield);
+  if (range) put(text, "{}", displaced_source(policy, *range));
   if (policy.info.phase_start > 0.0)
     put(text, kPhase, space);
   else

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "s2nnds/deployment/policy.h"
+#include "s2nnds/runs/scene_range.h"
 
 namespace s2nnds {
 
@@ -29,12 +31,15 @@ std::string policy_namespace(const std::string& path);
 // - `velocity(x, q, v, omega)` where poses move: v as above, and omega [3] the angular velocity in rad/s in the frame of
 //   the data (q' = 1/2 (0, omega) q) at the orientation q [4] in the order `quaternion_order`, in double;
 // - `shield(x, v_wanted, v)`, if PolicyInfo::shielded: any other velocity made safe, by verification/executed_motion.h;
+// - with a range of scenes `velocity(x, p, v)`, `velocity(x, p, rate, v)`, `lyapunov(x, p)`, `barrier(x, p)`, `safe(x, p)`
+//   and `displaced(p)`, of an obstacle displaced by p (displaced_source.h);
 // - `Motion`, the type that PassiveController (passive_controller.h) takes;
 // - constants: `precision` and every field of PolicyInfo.
 //
 // Loops are written for the vector registers of GCC and Clang (SSE2 to AVX-512, NEON) as the flags allow, and
 // run one by one elsewhere. The velocity at the goal is 0 exactly for zero_at_origin networks. Throws Error if a weight of f is
 // beyond the precision's range.
-std::string cpp_header(const Policy& policy, HeaderPrecision precision, const std::string& space);
+std::string cpp_header(const Policy& policy, HeaderPrecision precision, const std::string& space,
+                       const std::optional<SceneRange>& range = std::nullopt);
 
 }  // namespace s2nnds

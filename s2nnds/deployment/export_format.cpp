@@ -15,7 +15,7 @@ const std::vector<ExportFormat>& export_formats() {
   static const std::vector<ExportFormat> formats = {
       {"header", ".h", "C++ header", "a C++17 compiler", true, false,
        [](const Policy& policy, const ExportOptions& options, const std::string& path) {
-         return cpp_header(policy, options.precision, policy_namespace(path));
+         return cpp_header(policy, options.precision, policy_namespace(path), options.range);
        }},
       {"onnx", ".onnx", "ONNX model", "an ONNX runtime", true, false,
        [](const Policy& policy, const ExportOptions&, const std::string&) { return onnx_model(policy); }},
@@ -44,6 +44,8 @@ void export_policy(const Policy& policy, const ExportFormat& format, const Expor
   check_policy(policy);
   check(format.turns || !policy.orientation,
         "format: found {} and a policy of poses, expected header or onnx", format.name);
+  check(!options.range || format.name == "header", "format: found {} and a range of scenes, expected header",
+        format.name);
   write_atomic_file(path, format.contents(policy, options, path), "the policy");
 }
 

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "s2nnds/deployment/cpp_header.h"
 #include "s2nnds/deployment/policy.h"
+#include "s2nnds/runs/scene_range.h"
 
 namespace s2nnds {
 
 // What the formats let one choose.
 struct ExportOptions {
   HeaderPrecision precision = HeaderPrecision::float32;  // of f in a C++ header alone
+  std::optional<SceneRange> range = std::nullopt;        // whose displaced scenes a C++ header has as well
 };
 
 // One way to write a policy. A new one is a row in export_format.cpp and a function that makes its bytes.

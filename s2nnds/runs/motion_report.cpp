@@ -129,7 +129,7 @@ double obstacle_margin(const PreparedRun& setup) {
 
 }  // namespace
 
-std::vector<Deviation> deviations_of(const PreparedRun& setup, const Dynamics& f) {
+std::vector<Deviation> deviations_of(const PreparedRun& setup, const StateFunction& f) {
   return deviations(f, setup.problem, setup.train(), setup.config.evaluation.fidelity, obstacle_margin(setup),
                     setup.config.evaluation.rollout);
 }

@@ -11,7 +11,7 @@
 namespace s2nnds {
 
 // How far the motions of f are from the training demonstrations, one each (Config::evaluation.fidelity).
-std::vector<Deviation> deviations_of(const PreparedRun& setup, const Dynamics& f);
+std::vector<Deviation> deviations_of(const PreparedRun& setup, const StateFunction& f);
 
 // The same from 32 starts that cover X0 (spread_starts), which differ from `draw` to draw; empty where X0 has
 // no volume.

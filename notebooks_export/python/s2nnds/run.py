@@ -9,6 +9,7 @@
     run.f.torch()                         # the same as a torch.nn.Module
     run.policy()                          # the policy as a torch.nn.Module, in the data's unit
     run.shield(x, wanted)                 # any wanted velocity made safe, where the certificate has a shield
+    run.scene_range().velocity(p, by)     # where the obstacle is displaced, without a new proof
     run.velocity(p)                       # in the data's unit and frame
     run.phase_start                       # of states (x, s) with a phase s: where s starts
     run.pose_velocity(p, q)               # of poses: velocity and angular velocity [rad/s], in the data's frame
@@ -591,6 +592,14 @@ class Run:
         from .shield import shield
 
         return shield(self, position, wanted)
+
+    def scene_range(self, obstacle="all", stretch=0.8, within=None, program=None):
+        """The displacements of an obstacle (a number from 0, or "all") that the certificate covers, and the motion for each
+        (s2nnds.scene_range.SceneRange). `within`: a radius, or half sizes of a box, in the data's unit. The program finds it
+        (`program`, or the one in the package's folder); raises ValueError where there is none."""
+        from .scene_range import find_scene_range
+
+        return find_scene_range(self, obstacle, stretch, within, program)
 
     def in_data_unit(self):
         """A copy with workspace, demonstrations, rollouts, grid and open boxes in the data's unit and frame, times in s.
