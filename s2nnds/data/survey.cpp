@@ -64,11 +64,12 @@ class CrossingSearch {
     const Path &a = paths_[first], &b = paths_[second];
     const double near = std::max({a.step, b.step, 0.005 * extent_});
     std::optional<Crossing> worst;
-    for (Eigen::Index i = 1; i + 1 < a.position.rows(); ++i) {
+    for (Eigen::Index i = first == second ? 1 : 0; i + 1 < a.position.rows(); ++i) {
       if ((a.position.row(i) - goal_).norm() < 0.05 * extent_) continue;
       const Eigen::Index j = first == second ? other_branch(a, i, near) : crossed_at(a, i, b, near);
       if (j < 0) continue;
       const double angle = std::acos(std::clamp(a.direction.row(i).dot(b.direction.row(j)), -1.0, 1.0));
+      if (first != second && leads_along(a, i, b, j) && leads_along(b, j, a, i)) continue;
       if ((angle > kSixtyDegrees || first == second) && (!worst || angle > worst->angle)) {
         worst = Crossing{
             first, second, a.time[i], b.time[j], 0.5 * (a.position.row(i) + b.position.row(j)).transpose(),
@@ -84,7 +85,7 @@ class CrossingSearch {
   static Eigen::Index crossed_at(const Path& a, Eigen::Index i, const Path& b, double near) {
     Eigen::Index nearest = -1;
     double least = near;
-    for (Eigen::Index j = 1; j + 1 < b.position.rows(); ++j) {
+    for (Eigen::Index j = 0; j + 1 < b.position.rows(); ++j) {
       const double distance = (a.position.row(i) - b.position.row(j)).norm();
       if (distance < 4 * near && a.direction.row(i).dot(b.direction.row(j)) > 0.5) return -1;
       if (distance < least) {
@@ -93,6 +94,16 @@ class CrossingSearch {
       }
     }
     return nearest;
+  }
+  // Whether `a` is still beside `b` a tenth of the extent after place i, where b is at j. Hands tremble, mostly at the
+  // start and the end: where two demonstrations go on together, it does not matter whose direction f takes.
+  bool leads_along(const Path& a, Eigen::Index i, const Path& b, Eigen::Index j) const {
+    const auto places = [&](const Path& path, double share) {
+      return static_cast<Eigen::Index>(std::ceil(share * extent_ / path.step));
+    };
+    const Eigen::RowVectorXd later = a.position.row(std::min(i + places(a, 0.1), a.position.rows() - 1));
+    const Eigen::Index count = std::min(places(b, 0.3), b.position.rows() - j);
+    return (b.position.middleRows(j, count).rowwise() - later).rowwise().norm().minCoeff() < 0.05 * extent_;
   }
   // The nearest later place of the same path that it comes to after it was well away.
   static Eigen::Index other_branch(const Path& a, Eigen::Index i, double near) {

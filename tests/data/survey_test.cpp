@@ -80,6 +80,25 @@ TEST(Survey, FindsOpposingDemonstrationsAndNoNeighbours) {
   }
 }
 
+// Two that start together: where they part, no law follows both; where one of them trembles first, it does not matter.
+TEST(Survey, TellsPartingFromTrembling) {
+  const auto bent = [](double side) {
+    return [side](double s) { return at(std::cos(M_PI * s), side * std::sin(M_PI * s)); };
+  };
+  DemonstrationSet parting{"parting", "m", {motion(bent(1)), motion(bent(-1))}};
+  ASSERT_EQ(survey(parting).crossings.size(), 1U);
+  EXPECT_GT(survey(parting).crossings[0].angle, 3);
+  const auto line = [](double s) { return at(1 - s, 0.0); };
+  const auto hook = [&](double back) {
+    return [back](double s) { return at(1 - s + (s < back ? 2 * s : 2 * back), 0.001 * s); };
+  };
+  for (const auto& [back, count] : {std::pair(0.02, 0U), std::pair(0.2, 1U)}) {
+    DemonstrationSet set{"hook", "m", {motion(line), motion(hook(back))}};
+    set.demonstrations[0].position.col(0).array() += back;  // starts within the other one's hook
+    EXPECT_EQ(survey(set).crossings.size(), count) << back;
+  }
+}
+
 TEST(Survey, FindsStopsOnTheWay) {
   DemonstrationSet set{"stop", "m", {motion([](double s) {
                          const double way = s < 0.4 ? s / 0.8 : s < 0.6 ? 0.5 : (s - 0.2) / 0.8;
