@@ -22,6 +22,7 @@
 #include "s2nnds/evaluation/trajectory_metrics.h"
 #include "s2nnds/runs/adaptation.h"
 #include "s2nnds/runs/certified_scope.h"
+#include "s2nnds/runs/displaced_obstacle.h"
 #include "s2nnds/runs/evaluation_run.h"
 #include "s2nnds/runs/motion_report.h"
 #include "s2nnds/runs/scene.h"
@@ -206,6 +207,8 @@ int adapt(const AdaptArguments& arguments, const CommonArguments& common) {
   const RunRecord old = load_certified_run(arguments.run);
   const std::string path = arguments.out.empty() ? sibling(arguments.run, "-adapted.h5") : arguments.out;
   check_writable(path);
+  if (const std::string hint = range_hint(old, arguments.assignments); !hint.empty())
+    spdlog::info("{}", hint);
   const AdaptationResult found = s2nnds::adapt(old, arguments.assignments, data_directory(common.data),
                                                {.progress = print_round, .cancelled = {}});
   save_run(path, found.record);

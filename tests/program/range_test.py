@@ -69,6 +69,13 @@ class RangeTest(ProgramTest):
         weak = self.trained()
         self.assertIn("expected invariant", self.refusal(weak))
 
+    def test_adapt_says_when_it_is_not_needed(self):
+        for center, offered in (([-0.3, 0.22], True), ([-0.9, 0.9], False)):
+            code, _, err = self.call("adapt", self.run_file, "--set", f"problem.unsafe.center={center}", "--out",
+                                     self.path("new.h5"))
+            self.assertIn(code, (0, 3), err)
+            self.assertEqual("need no training" in err, offered, err)
+
     def test_header_keeps_motions_off_the_displaced_obstacle(self):
         header = os.path.join(self.folder, "policy.h")
         code, out, err = self.call("export", self.run_file, "--range", "all", "--out", header)

@@ -14,6 +14,7 @@
 #include "s2nnds/networks/moved_motion.h"
 #include "s2nnds/problem/boundary_points.h"
 #include "s2nnds/problem/extruded_region.h"
+#include "s2nnds/runs/displaced_obstacle.h"
 #include "s2nnds/runs/range_motions.h"
 #include "tests/verification/hand_made_system.h"
 
@@ -342,6 +343,34 @@ TEST(SceneRange, OfStatesWithAPhaseMovesPlacesAlone) {
   const Vector p = range.ends().row(0).transpose();
   EXPECT_TRUE(moved.unsafe->contains((Vector(3) << -0.4 + p[0], 0.35 + p[1], 0.7).finished()));
   EXPECT_FALSE(moved.unsafe->contains((Vector(3) << -0.4 + p[0], 0.35 + p[1] + 0.11, 0.7).finished()));
+}
+
+TEST(DisplacedObstacle, IsToldFromOtherChanges) {
+  const RegionOptions one = ball_at(-0.4, 0.35, 0.1), moved = ball_at(-0.3, 0.3, 0.1);
+  const auto found = displaced_obstacle(one, moved);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->index, -1);
+  EXPECT_NEAR(found->p[0], 0.1, 1e-12);
+  EXPECT_NEAR(found->p[1], -0.05, 1e-12);
+  EXPECT_FALSE(displaced_obstacle(one, one).has_value());
+  EXPECT_FALSE(displaced_obstacle(one, ball_at(-0.3, 0.3, 0.11)).has_value());
+  const RegionOptions box{.type = "box", .lower = {0.1, 0.2}, .upper = {0.3, 0.4}};
+  EXPECT_TRUE(displaced_obstacle(box, {.type = "box", .lower = {0.2, 0.2}, .upper = {0.4, 0.4}}).has_value());
+  EXPECT_FALSE(
+      displaced_obstacle(box, {.type = "box", .lower = {0.2, 0.2}, .upper = {0.3, 0.4}}).has_value());
+  EXPECT_FALSE(displaced_obstacle(one, box).has_value());
+  const RegionOptions wall{.type = "box", .lower = {0.1, 0.2}, .upper = {HUGE_VAL, 0.4}};
+  EXPECT_FALSE(
+      displaced_obstacle(wall, {.type = "box", .lower = {0.2, 0.2}, .upper = {HUGE_VAL, 0.4}}).has_value());
+  const RegionOptions half{.type = "halfspace", .normal = {1.0, 0.0}, .offset = 2.0};
+  EXPECT_FALSE(
+      displaced_obstacle(half, {.type = "halfspace", .normal = {1.0, 0.0}, .offset = 2.1}).has_value());
+  const RegionOptions both{.type = "union", .of = {one, box}};
+  const auto part = displaced_obstacle(both, {.type = "union", .of = {moved, box}});
+  ASSERT_TRUE(part.has_value());
+  EXPECT_EQ(part->index, 0);
+  EXPECT_FALSE(displaced_obstacle(both, {.type = "union", .of = {moved, box}, .inflate = 0.1}).has_value());
+  EXPECT_FALSE(displaced_obstacle(both, {.type = "union", .of = {moved}}).has_value());
 }
 
 TEST(SceneRange, StatementHasUnitsAndSaysNoMoreThanIsShown) {
