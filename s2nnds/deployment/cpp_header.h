@@ -31,8 +31,8 @@ std::string policy_namespace(const std::string& path);
 // - `velocity(x, q, v, omega)` where poses move: v as above, and omega [3] the angular velocity in rad/s in the frame of
 //   the data (q' = 1/2 (0, omega) q) at the orientation q [4] in the order `quaternion_order`, in double;
 // - `shield(x, v_wanted, v)`, if PolicyInfo::shielded: any other velocity made safe, by verification/executed_motion.h;
-// - with a range of scenes `velocity(x, p, v)`, `velocity(x, p, rate, v)`, `lyapunov(x, p)`, `barrier(x, p)`, `safe(x, p)`
-//   and `displaced(p)`, of an obstacle displaced by p (displaced_source.h);
+// - with a range of scenes `velocity(x, p, v)`, `velocity(x, p, rate, v)` (of poses `velocity(x, q, p, rate, v, omega)`),
+//   `lyapunov(x, p)`, `barrier(x, p)`, `safe(x, p)` and `displaced(p)`, of an obstacle displaced by p (displaced_source.h);
 // - `Motion`, the type that PassiveController (passive_controller.h) takes;
 // - constants: `precision` and every field of PolicyInfo.
 //

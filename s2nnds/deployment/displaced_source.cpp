@@ -95,29 +95,27 @@ struct Displaced {{
 }};
 }}  // namespace detail
 
-// v [dimension] = the velocity at x [dimension] where the obstacle is displaced by p [displaced_places] and moves with the
-// velocity `rate` [displaced_places], in `unit` per second. Where p is not one of displaced(p), v is 0; returns whether it is.
-// A jump of p needs a look at safe(x, p), since x may then be in no safe set; on the way from one p to another with the true
-// rate it stays in it.
-inline bool velocity(const double* x, const double* p, const double* rate, double* v) noexcept {{
+namespace detail {{
+inline bool displaced_velocity(const double* x, const double* p, const double* rate, double* v) noexcept {{
   if (!displaced(p)) {{
     for (int i = 0; i < dimension; ++i) v[i] = 0;
     return false;
   }}
-  const detail::Displaced at(x, p);
+  const Displaced at(x, p);
   velocity(at.y, v);
-  const detail::Normalised<double> y(at.y);
+  const Normalised<double> y(at.y);
   double along = 0;
-  for (int i = 0; i < displaced_places; ++i)
-    along += at.factor * (y.z[i] - detail::ball_center[i]) * v[i] / position_scale;
+  for (int i = 0; i < displaced_places; ++i) along += at.factor * (y.z[i] - ball_center[i]) * v[i] / position_scale;
   for (int i = 0; i < displaced_places; ++i) v[i] += along * p[i] + at.psi * rate[i];
   return true;
 }}
+}}  // namespace detail
 
-// The same where the obstacle rests there.
+// v [dimension] = the velocity at x [dimension] where the obstacle rests, displaced by p [displaced_places]. Where p is not one
+// of displaced(p), v is 0; returns whether it is. A jump of p needs a look at safe(x, p), since x may then be in no safe set.
 inline bool velocity(const double* x, const double* p, double* v) noexcept {{
   constexpr double rest[displaced_places] = {{}};
-  return velocity(x, p, rest, v);
+  return detail::displaced_velocity(x, p, rest, v);
 }}
 
 // The Lyapunov function at x [dimension] where the obstacle is displaced by p, one of displaced(p).
@@ -136,11 +134,35 @@ inline bool safe(const double* x, const double* p) noexcept {{
 
 )";
 
+constexpr const char* kMoving =
+    R"(// As velocity(x, p, v), where the obstacle is on its way with the velocity `rate` [displaced_places], in `unit` per second: with
+// the true rate, x stays in the safe set as it moves.
+inline bool velocity(const double* x, const double* p, const double* rate, double* v) noexcept {
+  return detail::displaced_velocity(x, p, rate, v);
+}
+
+)";
+
+// Of poses; the other signature would be mistaken for velocity(x, q, v, omega).
+constexpr const char* kMovingPose =
+    R"(// As velocity(x, p, v), where the obstacle is on its way with the velocity `rate` [displaced_places], in `unit` per second: with
+// the true rate, x stays in the safe set as it moves. And omega [3], in rad/s, as in velocity(x, q, v, omega): the orientation
+// q [4] follows as it would where the obstacle was, so the claim on it is the same.
+inline bool velocity(const double* x, const double* q, const double* p, const double* rate, double* v, double* omega) noexcept {
+  if (displaced(p)) {
+    double before[dimension];
+    velocity(detail::Displaced(x, p).y, q, before, omega);
+  } else {
+    for (int i = 0; i < 3; ++i) omega[i] = 0;
+  }
+  return detail::displaced_velocity(x, p, rate, v);
+}
+
+)";
+
 }  // namespace
 
 std::string displaced_source(const Policy& policy, const SceneRange& range) {
-  check(!policy.orientation,
-        "header: found a range of scenes and a policy of poses, expected one of positions");
   const PolicyInfo& info = policy.info;
   const Displacement& displacement = range.displacement;
   const Eigen::Index places = displacement.places();
@@ -155,7 +177,8 @@ std::string displaced_source(const Policy& policy, const SceneRange& range) {
                      numbers(box), numbers({displacement.center().begin(), displacement.center().end()}),
                      number(displacement.inner()), number(displacement.outer()),
                      number(below(range.margin, info.velocity_scale)),
-                     number((Interval(steepness) * kInverseError).upper), number(Displacement::slope));
+                     number((Interval(steepness) * kInverseError).upper), number(Displacement::slope)) +
+         (policy.orientation ? kMovingPose : kMoving);
 }
 
 }  // namespace s2nnds

@@ -10,7 +10,7 @@ namespace s2nnds {
 
 // The part of an exported header (cpp_header.h) that speaks of displaced scenes: MovedMotion in the data's unit and frame,
 // for each displacement p [places] of the range. Outside of the range nothing is answered: velocity() gives 0 and false,
-// safe() false. Throws Error for policies of poses.
+// safe() false.
 std::string displaced_source(const Policy& policy, const SceneRange& range);
 
 }  // namespace s2nnds

@@ -21,6 +21,7 @@ class MovedMotion {
   Points lyapunov(const Points& x, const Vector& p) const;  // [N, 1]
   Points barrier(const Points& x, const Vector& p) const;   // [N, 1]
 
+  // T_p, as given
   const Displacement& displacement() const { return displacement_; }
 
  private:

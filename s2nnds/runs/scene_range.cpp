@@ -11,6 +11,7 @@
 #include "s2nnds/problem/enclosing_ball.h"
 #include "s2nnds/problem/framed_region.h"
 #include "s2nnds/problem/placed_region.h"
+#include "s2nnds/runs/statement.h"
 #include "s2nnds/runs/user_units.h"
 
 namespace s2nnds {
@@ -217,7 +218,6 @@ SceneRange scene_range(const PreparedRun& setup, const RunRecord& record, const 
         "of a displaced "
         "scene",
         to_string(certificate.guarantee));
-  check(!record.orientation, "range: found a run of poses, expected positions");
   check_options(options, problem.places());
   const Obstacles obstacles = split(setup, options.obstacle);
   const EnclosingBall ball = find_ball(setup, *obstacles.moving);
@@ -281,6 +281,11 @@ std::string range_statement(const RunRecord& record, const SceneRange& range) {
         "obstacle is ({} where "
         "it was).",
         speed_below(record, range.margin), speed_below(record, record.certificate.disturbance_margin));
+  if (record.orientation)
+    text +=
+        " The orientation follows as it would at y = T_p^-1(x), where the obstacle was, and so it is with "
+        "what is claimed of it: " +
+        orientation_sentence(record);
   if (!record.certificate.execution.model.empty())
     text +=
         " Nothing is certified of the motion as a robot executes it, nor of a shield, in the displaced "

@@ -2,7 +2,8 @@
 // Compiled with POLICY_HEADER and POLICY_NAMESPACE set, of a policy in the plane with a range of scenes around a ball: follows
 // MOTIONS motions from all over the displaced safe sets, the obstacle at the range's edge, every other one on its way around it,
 // and prints how many touch the obstacle, how many leave the safe set, how many arrive, how many there were, and the nanoseconds
-// that one velocity takes. Arguments: MOTIONS, the obstacle's centre and radius, the goal's radius.
+// that one velocity takes. Arguments: MOTIONS, the obstacle's centre and radius, the goal's radius, and how many times the
+// certified disturbance pushes outwards, along the barrier's gradient; such motions are followed for a while.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -17,7 +18,7 @@ static_assert(policy::dimension == 2 && policy::displaced_places == 2);
 
 // Where the obstacle is at time t, and how it moves; `turn` in rad/s, 0: it rests.
 struct Path {
-  double angle, turn;
+  double angle, turn, push;  // push: of the disturbance, in `unit` per second
   void at(double t, double* p, double* rate) const {
     const double radius = 0.999999 * policy::displacement_radius, now = angle + turn * t;
     p[0] = radius * std::cos(now);
@@ -29,6 +30,17 @@ struct Path {
     double p[2], rate[2];
     at(t, p, rate);
     policy::velocity(x, p, rate, v);
+    if (push == 0.0) return;
+    double gradient[2], size = 0.0;
+    for (int i = 0; i < 2; ++i) {
+      const double h = 1e-6 * policy::position_scale;
+      double more[2] = {x[0], x[1]}, less[2] = {x[0], x[1]};
+      more[i] += h;
+      less[i] -= h;
+      gradient[i] = policy::barrier(more, p) - policy::barrier(less, p);
+      size += gradient[i] * gradient[i];
+    }
+    for (int i = 0; i < 2; ++i) v[i] += push * gradient[i] / std::sqrt(std::fmax(size, 1e-300));
   }
 };
 
@@ -47,17 +59,17 @@ void advance(const Path& path, double t, double h, double* x) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 6) return 2;
+  if (argc != 7) return 2;
   const long motions = std::atol(argv[1]);
   const double center[2] = {std::atof(argv[2]), std::atof(argv[3])}, radius = std::atof(argv[4]),
-               near = std::atof(argv[5]);
+               near = std::atof(argv[5]), push = std::atof(argv[6]) * policy::displaced_disturbance_margin;
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   const double period = policy::position_scale / policy::velocity_scale, step = 0.02 * period;
   long touched = 0, left = 0, arrived = 0, calls = 0;
   const auto begin = std::chrono::steady_clock::now();
   for (long k = 0; k < motions; ++k) {
-    const Path path{6.2831853 * unit(random), k % 2 == 0 ? 0.0 : (unit(random) - 0.5) / period};
+    const Path path{6.2831853 * unit(random), k % 2 == 0 ? 0.0 : (unit(random) - 0.5) / period, push};
     double x[2], p[2], rate[2];
     path.at(0.0, p, rate);
     do {
@@ -68,7 +80,7 @@ int main(int argc, char** argv) {
         for (int i = 0; i < 2; ++i) x[i] = center[i] + p[i] + 4.0 * radius * (2.0 * unit(random) - 1.0);
     } while (!policy::safe(x, p));
     bool out = false, met = false;
-    for (int round = 0; round < 5000; ++round) {
+    for (int round = 0; round < (push > 0.0 ? 300 : 5000); ++round) {
       const double t = round * step;
       advance(path, t, step, x);
       calls += 4;

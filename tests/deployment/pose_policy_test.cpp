@@ -51,12 +51,16 @@ class PosePolicy : public testing::TestWithParam<const char*> {
   }
 
   // [N, n + 3] of positions and orientations in the user's order.
-  Points ask(const Points& x, const Points& q) const {
+  Points ask(const Points& x, const Points& q) const { return ask_displaced(x, q, Points(x.rows(), 0)); }
+
+  // The same where an obstacle is displaced by p [N, places], unless that is [N, 0].
+  Points ask_displaced(const Points& x, const Points& q, const Points& p) const {
     const std::string command = fmt::format(
         "{} -std=c++17 -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -O1 "
         "'-DPOLICY_HEADER=\"policy.h\"' "
-        "-DPOLICY_NAMESPACE=policy_policy -I{} {}/tests/deployment/pose_driver.cpp -o {} 2> {}",
-        S2NNDS_CXX_COMPILER, folder_.string(), S2NNDS_SOURCE_DIR, path("driver"), path("errors.txt"));
+        "-DPOLICY_NAMESPACE=policy_policy {} -I{} {}/tests/deployment/pose_driver.cpp -o {} 2> {}",
+        S2NNDS_CXX_COMPILER, p.cols() > 0 ? "-DDISPLACED" : "", folder_.string(), S2NNDS_SOURCE_DIR,
+        path("driver"), path("errors.txt"));
     if (std::system(command.c_str()) != 0) {
       std::stringstream text;
       text << std::ifstream(path("errors.txt")).rdbuf();
@@ -67,6 +71,7 @@ class PosePolicy : public testing::TestWithParam<const char*> {
       for (Eigen::Index i = 0; i < x.rows(); ++i) {
         for (const double value : x.row(i)) points << fmt::format("{:.17g}\n", value);
         for (const double value : q.row(i)) points << fmt::format("{:.17g}\n", value);
+        for (const double value : p.row(i)) points << fmt::format("{:.17g}\n", value);
       }
     }
     const std::string run =
@@ -84,6 +89,29 @@ class PosePolicy : public testing::TestWithParam<const char*> {
   RandomStream random_{12, "pose policy"};
   Eigen::Vector4d goal_ = quaternion_of({1.1, -2.0, 0.6});
 };
+
+// Where an obstacle is displaced, positions move as those of a policy without poses do, and q turns as at y = T_p^-1(x).
+TEST_P(PosePolicy, TurnsAsWhereTheObstacleWas) {
+  const Policy made = policy(3, GetParam());
+  const Displacement displacement(Vector::LinSpaced(3, -0.4, 0.3), 0.2, 0.9);
+  SceneRange range{.displacement = displacement, .radius = displacement.largest(0.8)};
+  export_policy(made, export_format_from("header"), {HeaderPrecision::float64, range}, path("policy.h"));
+  const Points z = Points::NullaryExpr(200, 3, [&] { return random_.uniform(-0.8, 0.8); });
+  const Points q = Points::NullaryExpr(200, 4, [&] { return random_.normal(); });
+  Points p = Points::NullaryExpr(200, 3, [&] { return random_.normal(); });
+  for (Eigen::Index k = 0; k < p.rows(); ++k) p.row(k) *= 0.9 * range.radius / p.row(k).norm();
+  Points y = z;
+  for (Eigen::Index k = 0; k < z.rows(); ++k)
+    y.row(k) = displacement.preimage(z.row(k), p.row(k).transpose()).row(0);
+  const Points before = ask(positions(y), q), moved = ask_displaced(positions(z), q, 40.0 * p);
+  EXPECT_LE((moved.rightCols(3) - before.rightCols(3)).cwiseAbs().maxCoeff(), 1e-9);
+  double worst = 0.0;
+  for (Eigen::Index k = 0; k < z.rows(); ++k) {
+    const Points pushed = displacement.pushed(y.row(k), before.row(k).head(3), p.row(k).transpose());
+    worst = std::max(worst, (moved.row(k).head(3) - pushed.row(0)).norm());
+  }
+  EXPECT_LE(worst, 1e-9);
+}
 
 TEST_P(PosePolicy, TheHeaderTurnsAsTheLawDoes) {
   const std::string order = GetParam();

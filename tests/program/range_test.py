@@ -90,10 +90,16 @@ class RangeTest(ProgramTest):
         run = Run(self.run_file)
         center = run.data.to_data(CENTER)
         scale = run.data.position_scale
-        answer = subprocess.run([program, str(MOTIONS), *map(str, center), str(RADIUS * scale), str(0.02 * scale)],
-                                check=True, capture_output=True, text=True).stdout.split()
+
+        def attack(motions, push):
+            words = [motions, *center, RADIUS * scale, 0.02 * scale, push]
+            return subprocess.run([program, *map(str, words)], check=True, capture_output=True, text=True).stdout.split()
+
+        answer = attack(MOTIONS, 0)
         touched, left, arrived, motions = map(int, answer[:4])
         self.assertEqual((touched, left, arrived, motions), (0, 0, MOTIONS, MOTIONS))
+        self.assertEqual(attack(MOTIONS // 4, 0.999)[:2], ["0", "0"])
+        self.assertGreater(int(attack(1000, 100)[1]), 0)  # the attack is one
         self.assertLess(float(answer[4]), 20000.0)  # loaded machines; some 500 ns otherwise
 
     def test_python_answers_as_the_header(self):
