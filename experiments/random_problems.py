@@ -126,6 +126,8 @@ class Obstacle:
                          "radius": round(0.5 * size, 4)}
         else:
             angles = np.sort(random.uniform(0, 2 * np.pi, 5) * 0.3 + np.arange(5) * 2 * np.pi / 5)
+            if np.ptp(angles) > 2 * np.pi:  # once around: edges would cross
+                angles = np.sort(angles % (2 * np.pi))
             corners = np.stack([np.cos(angles), np.sin(angles)], axis=1) * size * random.uniform(0.7, 1, (5, 1)) + place
             self.keys = {"type": "polygon", "vertices": [list(map(float, c)) for c in np.round(corners, 4)]}
 
