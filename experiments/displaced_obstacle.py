@@ -42,9 +42,9 @@ def called(*words):
 def displaced_settings(run, p):
     """What `adapt` has to be told; None where the obstacle is no ball and no box."""
     unsafe = {key.removeprefix("problem.unsafe."): value for key, value in run.config.items() if "problem.unsafe." in key}
-    keys = {"ball": ("center",), "box": ("lower", "upper")}.get(str(unsafe["type"]), ())
+    keys = {"ball": ("center",), "box": ("lower", "upper")}.get(str(unsafe["type"]).strip(chr(34)), ())
     return [word for key in keys
-            for word in ("--set", f"problem.unsafe.{key}={np.round(np.asarray(unsafe[key], dtype=float) + p, 6).tolist()}")]
+            for word in ("--set", f"problem.unsafe.{key}={np.round(np.array(json.loads(unsafe[key])) + p, 6).tolist()}")]
 
 
 def adapted(path, run, size, count, folder):
@@ -137,7 +137,7 @@ def main():
         tries += here
         words = ", ".join(f"{sum(o == w for o, _ in here)} {w}" for w in ("held", "adapted", "anew", "failed", "refused")
                           if any(o == w for o, _ in here))
-        rows.append([name, f"{found['radius']:.2f}", f"{share:.2f}", f"{min(1.0, share):.2f}",
+        rows.append([name, f"{math.floor(100 * found['radius']) / 100:.2f}", f"{math.floor(100 * share) / 100:.2f}", f"{min(1.0, math.floor(100 * share) / 100):.2f}",
                      f"{deviation['mean_before']:.2f}", f"{deviation['mean']:.2f}", f"{deviation['largest_before']:.1f}",
                      f"{deviation['largest']:.1f}", words or "-"])
         print(rows[-1], flush=True)

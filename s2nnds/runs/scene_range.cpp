@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -225,7 +226,7 @@ SceneRange scene_range(const PreparedRun& setup, const RunRecord& record, const 
   check(limit.distance > (1.0 + kLeastShare) * ball.radius,
         "range: found {} within {} of the middle of {}, expected it beyond the obstacle's own {}: there is "
         "no room to move it",
-        limit.what, in_unit(setup, limit.distance), obstacles.moving->describe(),
+        limit.what, in_unit(setup, std::max(0.0, limit.distance)), obstacles.moving->describe(),
         in_unit(setup, ball.radius));
   SceneRange range{.obstacle = obstacles.moving->describe(),
                    .index = options.obstacle.value_or(-1),
