@@ -440,6 +440,8 @@ inline double shield(const double* x, const double* v_wanted, double* v) noexcep
     double size = 0, distance = 0, along = 0;
     for (int i = 0; i < n; ++i) {
       off[i] = v[i] - own[i];
+      // The motion's own velocity, computed elsewhere: compilers that fuse operations may round it otherwise there.
+      if (std::fabs(off[i]) <= 1e-15 * std::fabs(own[i])) off[i] = 0;
       size += gradient[i] * gradient[i];
       distance += off[i] * off[i];
       along -= gradient[i] * off[i];

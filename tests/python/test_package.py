@@ -74,7 +74,8 @@ def test_torch_keeps_its_threads(tmp_path):
 
 def test_an_interrupt_keeps_the_checkpoint(tmp_path, run):
     script = (
-        "import sys, s2nnds\n"
+        "import signal, sys, s2nnds\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a background job of a shell ignores it
         "try:\n"
         f"    s2nnds.train({SMALL!r}, out=sys.argv[1], seed=4, on_round=lambda row: print(row.round, flush=True))\n"
         "except KeyboardInterrupt:\n"
