@@ -496,6 +496,11 @@ void check_record(const RunRecord& record) {
           "/rollouts/{}: found orientation [{}, {}], expected [{}, 4]", k, rollout.orientation.rows(),
           rollout.orientation.cols(), rollout.time.size());
   }
+  for (std::size_t k = 0; k < record.certificate.conditions.size(); ++k) {
+    const auto size = std::ssize(record.certificate.conditions[k].witness);
+    check(size == 0 || size == n,
+          "/certificate/conditions/{}: found a witness of {} coordinates, expected {}", k, size, n);
+  }
   for (const auto& [name, corners] : record.open_boxes) {
     check(corners.cols() == 2 * n, "/certificate/open_boxes/{}: found {} columns, expected {}", name,
           corners.cols(), 2 * n);

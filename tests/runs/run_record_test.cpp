@@ -139,6 +139,7 @@ TEST(RunRecord, ThreeDimensionalGridsKeepTheirShape) {
   record.data.frame.goals.resize(0, 3);
   record.data.split = {};
   record.rollouts.clear();
+  record.certificate.conditions.clear();
   record.problem.workspace = Box{.lower = -Vector::Ones(3), .upper = Vector::Ones(3)};
   record.networks.f.layers = {{.weight = c.points(3, 3), .bias = {}, .activation = Activation::tanh}};
   record.networks.V.layers = {{.weight = c.points(2, 3), .bias = {}, .activation = Activation::tanh}};
@@ -200,6 +201,8 @@ TEST(RunRecord, MisfitsAreNamed) {
   EXPECT_EQ(error([](RunRecord& r) { r.rollouts[1].time.resize(1); }),
             "/rollouts/1: found position [2, 2], expected [1, 2]");
   EXPECT_EQ(error([](RunRecord& r) { r.grid->V.resize(5); }), "/grid/V: found 5 values, expected 6");
+  EXPECT_EQ(error([](RunRecord& r) { r.certificate.conditions[1].witness = {0.5}; }),
+            "/certificate/conditions/1: found a witness of 1 coordinates, expected 2");
   EXPECT_EQ(error([](RunRecord& r) { r.checkpoint->points[0].first = ""; }),
             "/checkpoint/points: found the name \"\", expected one without a slash");
 }
