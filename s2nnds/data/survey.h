@@ -9,7 +9,8 @@
 namespace s2nnds {
 
 // A place that two demonstrations pass in directions that differ by more than 60 degrees, where x' = f(x) has one,
-// unless they go on together, to a twentieth of the extent after a tenth of it; or one that a demonstration comes back to, in whatever direction: a solution of x' = f(x) would go round for ever.
+// unless they go on together, to a twentieth of the extent after a tenth of it; or one that a demonstration comes back to,
+// in whatever direction: a solution of x' = f(x) would go round for ever.
 struct Crossing {
   std::size_t first, second;       // demonstrations; the same one where it comes back
   double first_time, second_time;  // s since their starts

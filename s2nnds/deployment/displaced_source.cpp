@@ -93,9 +93,7 @@ struct Displaced {{
       for (int i = 0; i < displaced_places; ++i) y[i] -= s * p[i];
   }}
 }};
-}}  // namespace detail
 
-namespace detail {{
 inline bool displaced_velocity(const double* x, const double* p, const double* rate, double* v) noexcept {{
   if (!displaced(p)) {{
     for (int i = 0; i < dimension; ++i) v[i] = 0;

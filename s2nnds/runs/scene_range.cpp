@@ -63,24 +63,25 @@ Obstacles split(const PreparedRun& setup, const std::optional<std::int64_t>& cho
         "displaced joint angles "
         "are no displaced obstacle");
   const std::vector<RegionOptions> parts = parts_of(problem.written_unsafe);
-  check(!chosen || (*chosen >= 0 && *chosen < std::ssize(parts)),
-        "range: found --obstacle {}, expected one of 0 to {}", chosen.value_or(0), std::ssize(parts) - 1);
+  // What a tool sweeps is a union of copies of all obstacles, one after the other, and each obstacle's copies move as one.
+  const std::int64_t count = std::ssize(parts_of(setup.config.problem.unsafe));
+  check(!chosen || (*chosen >= 0 && *chosen < count), "range: found --obstacle {}, expected one of 0 to {}",
+        chosen.value_or(0), count - 1);
   Obstacles found;
-  if (!chosen || parts.size() == 1) {
+  if (!chosen || count == 1) {
     found.moving = problem.unsafe;
     return found;
   }
   RegionFiles files = setup.files;
+  std::vector<RegionPtr> moving;
   for (std::int64_t k = 0; k < std::ssize(parts); ++k) {
     RegionPtr region =
         make_region(parts[static_cast<std::size_t>(k)], problem.dimension(), files, "problem.unsafe");
     if (setup.config.problem.frame == "data")
       region = framed(std::move(region), setup.data.frame.goal, setup.data.frame.position_scale);
-    if (k == *chosen)
-      found.moving = std::move(region);
-    else
-      found.fixed.push_back(std::move(region));
+    (k % count == *chosen ? moving : found.fixed).push_back(std::move(region));
   }
+  found.moving = moving.size() == 1 ? moving.front() : unite(std::move(moving));
   return found;
 }
 

@@ -268,7 +268,7 @@ class LevelSetExaminer final : public TileExaminer {
   }
 
   TileRow& rate() { return noted_[0]; }
-  TileRow& steady_rate() { return noted_[1]; }  // at the centre, where it hardly varies
+  TileRow& steady_rate() { return noted_[1]; }  // at the centre, where it hardly varies; else -infinity
 
   std::unique_ptr<Perturbation> perturbation_;
   Eigen::Array<bool, tile_boxes, 1> meets_, hopeless_;

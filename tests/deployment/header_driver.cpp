@@ -3,23 +3,11 @@
 // stdin, writes velocity, lyapunov, barrier and safe of each to stdout as hexadecimal numbers, and last how
 // often memory was allocated while they were computed.
 #include <cstdio>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
+#include "counted_allocations.h"
+
 #include POLICY_HEADER
-
-namespace {
-long allocations = 0;
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 int main() {
   namespace policy = POLICY_NAMESPACE;

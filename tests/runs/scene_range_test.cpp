@@ -35,7 +35,7 @@ struct Plane {
     problem.contained = Box::cube(n, 1.2);
     problem.workspace_margin = complement(box_region(problem.contained));
     problem.initial = initial;
-    problem.written_unsafe = unsafe;
+    setup.config.problem.unsafe = problem.written_unsafe = unsafe;
     problem.unsafe = make_region(unsafe, n);
     setup.config.problem.frame = "normalised";
     setup.data.dimension = n;
@@ -93,6 +93,20 @@ TEST(SceneRange, EverySetCanBeTheNearest) {
   EXPECT_NEAR(first.displacement.outer(), 0.4, 1e-3);
   // All as one: the ball around both.
   EXPECT_NEAR(Plane(both).range().displacement.inner(), 0.35, 2e-3);
+}
+
+// As problem.tool writes them: copies of all obstacles, one after the other.
+TEST(SceneRange, WhatAToolSweepsOfAnObstacleMovesAsOne) {
+  const RegionOptions low{.type = "union", .of = {ball_at(-0.4, 0.5, 0.1), ball_at(0.3, 0.5, 0.1)}},
+      high{.type = "union", .of = {ball_at(-0.4, 0.6, 0.1), ball_at(0.3, 0.6, 0.1)}},
+      all{.type = "union", .of = {low, high}};
+  Plane plane(low);
+  plane.setup.problem.written_unsafe = all;
+  plane.setup.problem.unsafe = make_region(all, 2);
+  const SceneRange range = plane.range({.obstacle = 0});
+  EXPECT_NEAR(range.displacement.inner(), 0.15, 1e-3);
+  EXPECT_NEAR(range.displacement.center()[1], 0.55, 1e-2);
+  EXPECT_NE(refusal(plane, {.obstacle = 2}).find("--obstacle 2, expected one of 0 to 1"), std::string::npos);
 }
 
 TEST(SceneRange, InflationOfAUnionGrowsItsParts) {
