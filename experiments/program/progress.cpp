@@ -30,7 +30,9 @@ std::string counterexamples(const RoundSummary& row) {
     text += fmt::format("; {:.2f} times as far from the demonstrations as allowed", row.deviation);
   if (row.stage == Stage::imitation_finetune)
     text += kept ? " (f fine-tuned)" : " (f, V and B stay as they were)";
-  if (row.stage == Stage::enlarge) text += kept ? " (B grew)" : " (B stays as it was)";
+  if (row.stage == Stage::enlarge)
+    text += fmt::format(" ({}{{B <= 0}} is {:.1f} % of the workspace)",
+                        kept ? "" : "undone: ", 100.0 * row.volume);
   return text;
 }
 

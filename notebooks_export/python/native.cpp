@@ -112,6 +112,7 @@ py::dict round_of(const s2nnds::RoundSummary& row) {
   round["mse"] = row.mse;
   round["counterexamples"] = counts;
   round["safe_share"] = row.safe_share;
+  round["volume"] = row.volume;
   round["seconds"] = row.seconds;
   return round;
 }

@@ -21,6 +21,8 @@ Column column(const std::string& name, T RoundSummary::*member) {
           [=](RoundSummary& row, double value) { row.*member = static_cast<T>(value); }};
 }
 
+constexpr const char* kNewest = "volume";  // files of earlier programs lack it
+
 std::vector<Column> columns() {
   std::vector<Column> all = {column("round", &RoundSummary::round), column("loss", &RoundSummary::loss),
                              column("mse", &RoundSummary::mse)};
@@ -38,6 +40,7 @@ std::vector<Column> columns() {
   all.push_back(column("found_by_sampling", &RoundSummary::found_by_sampling));
   all.push_back(column("pool", &RoundSummary::pool));
   all.push_back(column("safe_share", &RoundSummary::safe_share));
+  all.push_back(column(kNewest, &RoundSummary::volume));
   all.push_back(column("deviation", &RoundSummary::deviation));
   all.push_back(column("islands", &RoundSummary::islands));
   all.push_back(column("equilibria", &RoundSummary::equilibria));
@@ -89,6 +92,7 @@ TrainerState to_trainer_state(const RunRecord& record) {
     for (const auto& [name, stored] : record.history) {
       if (name == column.name) values = &stored;
     }
+    if (values == nullptr && column.name == kNewest) continue;
     check(values != nullptr && values->size() == checkpoint.round + 1,
           "run file: /history/{} has {} rows, expected {}", column.name, values ? values->size() : 0,
           checkpoint.round + 1);

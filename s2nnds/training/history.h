@@ -28,6 +28,7 @@ struct RoundSummary {
   std::int64_t found_by_sampling = 0;                  // of these, by sources that sample uniformly
   std::int64_t pool = 0;                               // counterexamples kept for training
   double safe_share = 0.0;                             // of the label points, those with safe rollouts
+  double volume = 0.0;  // of {B <= 0} as a share of X, by sampling, after rounds that let it grow
   // How far the motions are from the demonstrations, as a share of what is allowed, and what no certificate can
   // have (evaluation/topology.h). Looked for where there is a RoundLook, deviation after clean rounds only.
   double deviation = 0.0;

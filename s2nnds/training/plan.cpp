@@ -61,10 +61,11 @@ constexpr double kPlateauGain = 0.03;
 
 constexpr std::int64_t kRepairs = 2;  // what f moved by little, B alone can follow
 
-// At first and at least, see careful(). All labels are of points that B does not hold safe, so each counts
+// At first, at least and at most, see careful(). All labels are of points that B does not hold safe, so each counts
 // several times as much as one of any point.
-constexpr double kEnlargedRollouts = 1.0, kLeastEnlargedRollouts = 0.1;
-constexpr double kEnlargedMargins = 2.0;  // of the conditions on B, which its growth must not break
+constexpr double kEnlargedRollouts = 1.0, kLeastEnlargedRollouts = 0.1, kMostEnlargedRollouts = 4.0;
+constexpr double kEnlargedMayLose = 0.01;  // see lost_at_most()
+constexpr double kEnlargedMargins = 2.0;   // of the conditions on B, which its growth must not break
 constexpr double kEnlargedRate = 0.5;
 constexpr std::int64_t kEnlargedRepairs = 1;  // a round that is undone brings nothing
 
@@ -93,12 +94,17 @@ std::int64_t refining_round(const History& history, const TrainerOptions& option
   return std::distance(history.rbegin(), other) % (kRefiningRounds + 1);
 }
 
-// A weight's factor: `first`, less by `retreat` after each round of the stage that was undone, but no less than
-// `least`.
-double careful(const History& history, Stage stage, double first, double least, double retreat) {
-  double factor = first;
+struct Careful {
+  double first, least, most, retreat;
+};
+
+// A weight's factor, at first and within limits: less by `retreat` after each round of the stage that did not end
+// clean, more after each one that did.
+double careful(const History& history, Stage stage, const Careful& by) {
+  double factor = by.first;
   for (const RoundSummary& row : history) {
-    if (row.stage == stage) factor = std::clamp(factor * (row.clean() ? kAdvance : retreat), least, first);
+    if (row.stage == stage)
+      factor = std::clamp(factor * (row.clean() ? kAdvance : by.retreat), by.least, by.most);
   }
   return factor;
 }
@@ -212,9 +218,9 @@ RoundPlan search_plan(const History& history, const TrainerOptions& options) {
 }
 
 RoundPlan imitation_finetune_plan(const History& history, const TrainerOptions& options) {
-  return fitting_plan(
-      Stage::imitation_finetune,
-      careful(history, Stage::imitation_finetune, kFinetunedImitation, 1.0, kFinetunedRetreat), options);
+  const Careful imitation = {kFinetunedImitation, 1.0, kFinetunedImitation, kFinetunedRetreat};
+  return fitting_plan(Stage::imitation_finetune, careful(history, Stage::imitation_finetune, imitation),
+                      options);
 }
 
 // Whether f no longer comes nearer to the demonstrations.
@@ -246,10 +252,19 @@ RoundPlan enlarge_plan(const History& history, const TrainerOptions& options) {
   PerTerm<double>& weight = plan.loss.weight;
   weight[LossTerm::imitation] = weight[LossTerm::lyapunov] = weight[LossTerm::obstacle_normal] = 0.0;
   weight[LossTerm::rollout_safety] *=
-      careful(history, Stage::enlarge, kEnlargedRollouts, kLeastEnlargedRollouts, kEnlargedRetreat);
+      careful(history, Stage::enlarge,
+              {kEnlargedRollouts, kLeastEnlargedRollouts, kMostEnlargedRollouts, kEnlargedRetreat});
   weight[LossTerm::barrier_sets] *= kEnlargedMargins;
   weight[LossTerm::barrier_decrease] *= kEnlargedMargins;
   return plan;
+}
+
+// The share of {B <= 0} that a round may lose: less from round to round, nothing in the last one.
+double lost_at_most(const History& history, const TrainerOptions& options) {
+  const std::int64_t left = options.enlarge_rounds - 1 - rounds_in(history, Stage::enlarge);
+  return left > 0
+             ? kEnlargedMayLose * static_cast<double>(left) / static_cast<double>(options.enlarge_rounds - 1)
+             : 0.0;
 }
 
 std::int64_t count_of(const RoundSummary& row, Condition condition) {
@@ -272,7 +287,9 @@ RoundPlan stage_plan(const History& history, const TrainerOptions& options) {
   // Without rollouts nothing tells where B may be smaller.
   if (!labels_rollouts(options) || rounds_in(history, Stage::enlarge) >= options.enlarge_rounds)
     return {.finished = true};
-  return enlarge_plan(history, options);
+  RoundPlan plan = enlarge_plan(history, options);
+  plan.may_lose = lost_at_most(history, options);
+  return plan;
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ struct RoundPlan {
   bool undone_unless_clean = false;  // networks that do not end clean give way to those from before
   double largest_deviation =
       1.0;                   // as do those whose motions are farther from the demonstrations, as a share
+  double may_lose = 1.0;     // and those whose {B <= 0} has lost more of its volume, as a share
   std::int64_t repairs = 0;  // times that B alone is trained on what was found, before it is judged
   double rate = 1.0;         // factor of all rates
   LossOptions loss = {};     // with the weights of this round
@@ -38,7 +39,8 @@ struct RoundPlan {
 // - imitation_finetune: all three networks are trained with more weight on the demonstrations, so that f
 //   comes nearer to what it would be without conditions; until it is as near, seven rounds were kept, or three
 //   brought it no nearer.
-// - enlarge: B alone is trained, and rollout_safety weighs more, so that the safe set grows.
+// - enlarge: B alone is trained, and rollout_safety weighs more, so that the safe set grows. It may lose 1 % in the
+//   first round, nothing in the last: on the way to a larger one it is often a little smaller.
 // The last two keep only rounds that end clean, and each one that does not makes the next one of its stage
 // more careful. Throws Error if the history is empty.
 RoundPlan plan(const std::vector<RoundSummary>& history, const TrainerOptions& options);

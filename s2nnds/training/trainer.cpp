@@ -40,6 +40,9 @@ constexpr std::int64_t kBandRefresh = 100;
 constexpr double kSettled = 0.05;
 constexpr std::int64_t kMoreLabels = 2;
 
+// By which the volume of {B <= 0} is told. Before and after a round they are the same, so that few show a change.
+constexpr std::int64_t kVolumePoints = 20000;
+
 // Within a round the rates fall to this share of themselves: what noise of the steps leaves behind looks like
 // violations that no training removes.
 constexpr double kRateAtEnd = 0.05;
@@ -103,6 +106,12 @@ NetworkWeights between(NetworkWeights a, const NetworkWeights& b, double part) {
     if (a.layers[k].bias.size() > 0) a.layers[k].bias += part * (b.layers[k].bias - a.layers[k].bias);
   }
   return a;
+}
+
+// Of the points, those in {B <= 0}.
+double share_within(const NetworkWeights& B, const Points& points) {
+  const Points value = BasicEvaluator<float>(B).value(points);
+  return static_cast<double>((value.array() <= 0.0).count()) / static_cast<double>(points.rows());
 }
 
 void append(Backtracked& to, const VelocityTargets& more) {
@@ -225,6 +234,7 @@ class Trainer::Impl {
       search(row);
       for (std::int64_t k = 1; k <= next.repairs && is_repairable(row); ++k) repair(row, next, k);
       if (next.undone_unless_clean && !keeps(next, row)) go_back_towards(before, next, row);
+      if (next.stage == Stage::enlarge) go_back_if_smaller(before, next, row);
       row.seconds = seconds();
       summary.stopped = !report(row, owner);
     }
@@ -360,6 +370,17 @@ class Trainer::Impl {
     }
     set_networks(before);
     row = whole;
+  }
+
+  // Where {B <= 0} has lost too much. Tells its volume.
+  void go_back_if_smaller(const Networks& before, const RoundPlan& round, RoundSummary& row) {
+    RandomStream random(seed_, "volume", row.round);
+    const Points points = sampler_.uniform(kVolumePoints, random);
+    const double earlier = share_within(before.B, points);
+    row.volume = share_within(modules_.B->snapshot(), points);
+    if (row.volume >= (1.0 - round.may_lose) * earlier) return;
+    set_networks(before);
+    row.volume = earlier;
   }
 
   // Between two V within the limit there may be one beyond it.

@@ -99,7 +99,7 @@ struct TrainerOptions {
   bool backtrack = true;
   double max_level_shift = 0.1;  // of B after a round, to a better level without violations, >= 0; 0: none
   std::int64_t imitation_finetune_rounds = 10;  // rounds after a clean one that fit f more closely, >= 0
-  std::int64_t enlarge_rounds = 13;  // rounds after these that train B alone, for a larger safe set, >= 0
+  std::int64_t enlarge_rounds = 10;  // rounds after these that train B alone, for a larger safe set, >= 0
   std::int64_t enlarge_steps = 300;  // Adam steps of such a round, >= 1
   double weight_decay = 0.2;         // decoupled (AdamW), of all weights of f, >= 0
   // Points of X labelled by rollouts, anew every round, >= 0; 0: none. A quarter of them in five and more dimensions.

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <vector>
+
+#include "s2nnds/core/check.h"
 
 namespace s2nnds {
 namespace {
@@ -19,6 +22,7 @@ TEST(TrainingCheckpoint, KeepsWhatEachRoundFound) {
     row.loss_terms.fill(0.5 * row.round);
     row.counts.fill(7 * row.round);
     row.found_by_sampling = 5 * row.round;
+    row.volume = 0.25 * static_cast<double>(k);
     row.stage = k == 2 ? Stage::enlarge : Stage::imitation_finetune;
   }
   RunRecord record;
@@ -30,9 +34,24 @@ TEST(TrainingCheckpoint, KeepsWhatEachRoundFound) {
     EXPECT_EQ(back.history[k].loss_terms, state.history[k].loss_terms);
     EXPECT_EQ(back.history[k].counts, state.history[k].counts);
     EXPECT_EQ(back.history[k].found_by_sampling, state.history[k].found_by_sampling);
+    EXPECT_EQ(back.history[k].volume, state.history[k].volume);
     EXPECT_EQ(back.history[k].stage, state.history[k].stage);
   }
   EXPECT_EQ(back.pools.workspace, state.pools.workspace);
+}
+
+// Run files of earlier programs do not tell the volume of the safe set.
+TEST(TrainingCheckpoint, VolumeMayBeMissing) {
+  TrainerState state;
+  state.pools = {Points(0, 2), Points(0, 2), Points(0, 2)};
+  state.history.resize(1);
+  RunRecord record;
+  record.data.dimension = 2;
+  store_trainer_state(state, record);
+  std::erase_if(record.history, [](const auto& column) { return column.first == "volume"; });
+  EXPECT_EQ(to_trainer_state(record).history.at(0).volume, 0.0);
+  record.history.pop_back();
+  EXPECT_THROW(to_trainer_state(record), Error);
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ std::string told(const RoundPlan& next, const TrainerOptions& options) {
   if (next.backtracks) text += ", backtracks";
   if (next.only_barrier) text += ", only B";
   if (next.undone_unless_clean) text += ", may be undone";
+  if (next.may_lose < 1.0) text += fmt::format(", may lose {:.3g}", next.may_lose);
   const bool usual = next.stage == Stage::search && options.refine && !next.only_barrier;
   if (next.repairs != (usual ? 1 : 0)) text += fmt::format(", {} repairs", next.repairs);
   text += fmt::format("; rate {:.4g}", next.rate);
@@ -84,10 +85,16 @@ void expect_plans(const TrainerOptions& options, const std::vector<Case>& cases)
 const Rounds kFirstClean = 4 * kBad + Rounds{kClean};
 const std::string kSearch = "search, labels, backtracks; rate ",
                   kAnew = "search, starts anew, labels, backtracks; rate 1",
-                  kFinetune = "imitation_finetune, labels, may be undone, 2 repairs; rate 0.3",
-                  kEnlarge =
-                      "enlarge, labels, only B, may be undone, 1 repairs; rate 0.5, imitation 0, lyapunov 0, "
-                      "barrier_sets 2, barrier_decrease 2";
+                  kFinetune = "imitation_finetune, labels, may be undone, 2 repairs; rate 0.3";
+
+// May lose a share of {B <= 0}.
+std::string enlarge(double loss, const std::string& rollouts) {
+  return fmt::format(
+      "enlarge, labels, only B, may be undone, may lose {:.3g}, 1 repairs; rate 0.5, imitation 0, lyapunov "
+      "0, "
+      "barrier_sets 2, barrier_decrease 2{}, obstacle_normal 0",
+      loss, rollouts);
+}
 
 TrainerOptions not_before(std::int64_t round) {
   TrainerOptions options;
@@ -207,9 +214,9 @@ TEST(Plan, FineTunesAfterTheFirstCleanRoundAndIsMoreCarefulAfterFailures) {
                      kFinetune + ", imitation 3.75"},
                     {"no more than at first", kFirstClean + 2 * kFinetuned, kFinetune + ", imitation 10"},
                     {"six were kept", kFirstClean + 6 * kFinetuned, kFinetune + ", imitation 10"},
-                    {"seven were kept", kFirstClean + 7 * kFinetuned, kEnlarge + ", obstacle_normal 0"},
+                    {"seven were kept", kFirstClean + 7 * kFinetuned, enlarge(0.01, "")},
                     {"nine failed", kFirstClean + 9 * kNotFinetuned, kFinetune},
-                    {"ten failed", kFirstClean + 10 * kNotFinetuned, kEnlarge + ", obstacle_normal 0"}});
+                    {"ten failed", kFirstClean + 10 * kNotFinetuned, enlarge(0.01, "")}});
 }
 
 TEST(Plan, EndsFineTuningWhereItBringsNothing) {
@@ -239,14 +246,17 @@ TEST(Plan, ThenEnlargesAndEnds) {
   TrainerOptions options;
   options.imitation_finetune_rounds = 0;
   options.enlarge_rounds = 3;
-  expect_plans(options, {{"first clean round", kFirstClean, kEnlarge + ", obstacle_normal 0"},
-                         {"it grew", kFirstClean + 1 * kEnlarged, kEnlarge + ", obstacle_normal 0"},
-                         {"failed", kFirstClean + Rounds{kEnlarged, kNotEnlarged},
-                          kEnlarge + ", rollout_safety 0.5, obstacle_normal 0"},
-                         {"failed twice", kFirstClean + 2 * kNotEnlarged,
-                          kEnlarge + ", rollout_safety 0.25, obstacle_normal 0"},
-
-                         {"the end", kFirstClean + Rounds{kEnlarged, kNotEnlarged, kEnlarged}, "finished"}});
+  expect_plans(
+      options,
+      {{"first clean round", kFirstClean, enlarge(0.01, "")},
+       {"it grew", kFirstClean + 1 * kEnlarged, enlarge(0.005, ", rollout_safety 1.5")},
+       {"failed", kFirstClean + Rounds{kEnlarged, kNotEnlarged}, enlarge(0.0, ", rollout_safety 0.75")},
+       {"failed twice", kFirstClean + 2 * kNotEnlarged, enlarge(0.0, ", rollout_safety 0.25")},
+       {"the end", kFirstClean + Rounds{kEnlarged, kNotEnlarged, kEnlarged}, "finished"}});
+  options.enlarge_rounds = 7;
+  expect_plans(options, {{"grew often", kFirstClean + 6 * kEnlarged, enlarge(0.0, ", rollout_safety 4")}});
+  options.enlarge_rounds = 1;
+  expect_plans(options, {{"the first is the last", kFirstClean, enlarge(0.0, "")}});
   options.rollout_points = 0;
   expect_plans(options, {{"nothing to enlarge by", kFirstClean, "finished"}});
 }

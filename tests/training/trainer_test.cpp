@@ -110,9 +110,12 @@ TEST(Trainer, FineTunesThenEnlargesAndKeepsOnlyCleanRounds) {
   fixture.options.min_rounds = 2;
   fixture.options.imitation_finetune_rounds = 2;
   fixture.options.enlarge_rounds = 3;
+  fixture.options.loss.weight[LossTerm::rollout_safety] = 100.0;
   Trainer trainer(fixture.problem, fixture.demonstrations, fixture.networks, fixture.options, 5);
-  trainer.set_rollout_labels(
-      [&](const Dynamics& f, const Points& x) { return rollout_is_safe(f, fixture.problem, x); });
+  // None is safe, then all are, so that B grows where it may.
+  trainer.set_rollout_labels([round = 0](const Dynamics&, const Points& x) mutable {
+    return std::vector<bool>(x.rows(), ++round >= 5);
+  });
   trainer.add_source(std::make_shared<ScriptedSource>(std::set<std::int64_t>{1, 3, 5}));
   std::vector<Networks> after;
   std::vector<Stage> stages;
@@ -137,6 +140,34 @@ TEST(Trainer, FineTunesThenEnlargesAndKeepsOnlyCleanRounds) {
   EXPECT_EQ(hash(after[5].B), hash(after[4].B)) << "round 5 was not clean";
   EXPECT_NE(hash(after[6].B), hash(after[5].B));
   EXPECT_NE(hash(after[7].B), hash(after[6].B));
+}
+
+// Rollouts that are never safe ask B to shrink: what is certified already stays.
+TEST(Trainer, NoRoundThatEnlargesLosesMoreThanAHundredthOfTheSafeSet) {
+  Fixture fixture;
+  fixture.options.imitation_finetune_rounds = 0;
+  fixture.options.enlarge_rounds = 4;
+  Trainer trainer(fixture.problem, fixture.demonstrations, fixture.networks, fixture.options, 5);
+  trainer.set_rollout_labels(
+      [](const Dynamics&, const Points& x) { return std::vector<bool>(x.rows(), false); });
+  trainer.add_source(std::make_shared<ScriptedSource>(std::set<std::int64_t>{}));
+  RandomStream random(3, "test");
+  const Points points = uniform_points(fixture.problem.workspace, 20000, random);
+  std::vector<double> share;
+  std::vector<RoundSummary> rows;
+  trainer.on_round([&](const RoundSummary& row, const Trainer& t) {
+    const Points value = Evaluator(t.networks().B).value(points);
+    share.push_back(static_cast<double>((value.array() <= 0.0).count()) / 20000.0);
+    rows.push_back(row);
+    return true;
+  });
+  trainer.run();
+  ASSERT_EQ(rows.back().stage, Stage::enlarge);
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    if (rows[k].stage != Stage::enlarge) continue;
+    EXPECT_GE(share[k], 0.985 * share[k - 1]);
+    EXPECT_NEAR(rows[k].volume, share[k], 0.02);
+  }
 }
 
 TEST(Trainer, StartsAnewFromTheWarmStart) {

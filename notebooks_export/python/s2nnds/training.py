@@ -28,6 +28,7 @@ class Round:
     mse: float  # of f on the demonstrations, normalised
     counterexamples: dict[str, int]  # found after it, by condition
     safe_share: float  # of the label points, those with safe rollouts
+    volume: float  # of {B <= 0} as a share of the workspace, after rounds that let it grow
     seconds: float  # of training so far
 
 
