@@ -18,6 +18,7 @@ void make_smooth(Config& config) {
 
   TrainerOptions& training = config.training;
   training.steps = 500;
+  training.obstacle_margin = 0.05;
   // A level that samples find free leaves no room at the corners of the workspace, which they hardly ever meet.
   training.max_level_shift = 0.0;
   training.batch.workspace = 384;

@@ -40,7 +40,7 @@ constexpr std::int64_t kBandRefresh = 100;
 constexpr double kSettled = 0.05;
 constexpr std::int64_t kMoreLabels = 2;
 
-// By which the volume of {B <= 0} is told. Before and after a round they are the same, so that few show a change.
+// By which the volume of {B <= 0} is told. They are the same in all rounds, so that few show a change.
 constexpr std::int64_t kVolumePoints = 20000;
 
 // Within a round the rates fall to this share of themselves: what noise of the steps leaves behind looks like
@@ -133,7 +133,7 @@ Networks between(const Networks& a, const Networks& b, double part) {
 constexpr std::int64_t kStepsInMany = 2, kFewerLabelsInMany = 4;
 constexpr double kLabelsInMany = 0.3;
 // Boxes of many dimensions around a sample are found off an obstacle only if they are small.
-constexpr double kObstacleMarginInMany = 0.02;
+constexpr double kObstacleMarginInMany = 1.0 / 30.0;
 
 // Motions of a projected f converge whatever they pass: what f is taught along those that are followed back would only
 // spoil it.
@@ -374,7 +374,7 @@ class Trainer::Impl {
 
   // Where {B <= 0} has lost too much. Tells its volume.
   void go_back_if_smaller(const Networks& before, const RoundPlan& round, RoundSummary& row) {
-    RandomStream random(seed_, "volume", row.round);
+    RandomStream random(seed_, "volume");
     const Points points = sampler_.uniform(kVolumePoints, random);
     const double earlier = share_within(before.B, points);
     row.volume = share_within(modules_.B->snapshot(), points);

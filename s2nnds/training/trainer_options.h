@@ -113,8 +113,8 @@ struct TrainerOptions {
   double funnel = 0.3;
   // Demonstration samples nearer to Xu than this (normalised units, per axis, >= 0) are left out; twice this
   // for demonstrations that pass through Xu, whose samples within Xu by more than this stay. In five and more
-  // dimensions, where a box of this size meets most obstacles, a fiftieth of it counts.
-  double obstacle_margin = 0.05;
+  // dimensions, where a box of this size meets most obstacles, a thirtieth of it counts.
+  double obstacle_margin = 0.03;
   // Points of X in the random search for counterexamples after each round, >= 1; a tenth of them where the
   // prover looks, too.
   std::int64_t samples = 200000;
