@@ -144,7 +144,9 @@ def mobile(folder, rng):
             os.remove(path)
         start = [1.2, 1.0] + rng.uniform(-0.12, 0.12, 2)
         times, position = motion(start, [4.8, 1.0], [0.0, 1.7], 9.0, 20, rng, noise=1e-3, rest=1.0)
-        heading = np.unwrap(np.arctan2(*np.gradient(position, axis=0).T[::-1]))
+        velocity = np.gradient(position, times, axis=0)
+        moving = np.flatnonzero(np.linalg.norm(velocity, axis=1) > 0.1)  # at rest a robot keeps its heading
+        heading = np.interp(np.arange(len(times)), moving, np.unwrap(np.arctan2(velocity[moving, 1], velocity[moving, 0])))
         with Writer(path) as bag:
             connection = bag.add_connection("/robot_pose", stamped.__msgtype__, typestore=store)
             for i, (t, (x, y), angle) in enumerate(zip(times, position, heading)):
