@@ -52,13 +52,17 @@ def plain_axes(ax):
     ax.set_ylabel("")
 
 
+def grid_of_panels(rows, columns, height):
+    figure, axes = plt.subplots(rows, columns, figsize=(3.4 * columns, height), squeeze=False, layout="constrained")
+    figure.get_layout_engine().set(h_pad=0.12)  # a row's titles stay off the labels of the row above
+    return figure, axes
+
+
 def panels(runs, columns=4):
     """One phase portrait a run, titled by its motion and guarantee."""
     rows = -(-len(runs) // columns)
     columns = min(columns, len(runs))
-    figure, axes = plt.subplots(
-        rows, columns, figsize=(3.4 * columns, 3.7 * rows), squeeze=False, constrained_layout=True
-    )
+    figure, axes = grid_of_panels(rows, columns, 3.7 * rows)
     handles = []
     for ax, run in zip(axes.flat, runs):
         handles += draw_phase_portrait(ax, with_grid(run))
@@ -121,9 +125,7 @@ def draw_polynomials(ax, run, published):
 
 def against(runs, results):
     published = {row["motion"]: row for row in results["abc_ds"]}
-    figure, axes = plt.subplots(
-        2, len(runs), figsize=(3.4 * len(runs), 7.4), squeeze=False, constrained_layout=True
-    )
+    figure, axes = grid_of_panels(2, len(runs), 7.4)
     handles = []
     for ours, theirs, run in zip(axes[0], axes[1], runs):
         motion = run.name.removesuffix("_abc_ds")
