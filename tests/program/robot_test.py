@@ -173,7 +173,7 @@ class RobotTest(ProgramTest):
         units = {"position_error": data.position_scale, "velocity_error": data.velocity_scale}
         words = [repr(low * value * units.get(key, 1.0)) for key, value in SHAPE.items()]
         driver = self.compiled("motion_driver", "limit")
-        for motions, times, leave in ((os.environ.get("S2NNDS_MOTIONS", "3000"), "1", False), ("3000", "2", True)):
+        for motions, times, leave in ((os.environ.get("S2NNDS_MOTIONS", "3000"), "1", False), ("20000", "2", True)):
             out = subprocess.run([driver, motions, *words, times, "7"], capture_output=True, text=True, check=True).stdout
             self.assertEqual(int(out.split()[0]) > 0, leave, f"{out} of {motions}, {times} times {low} of the shape")
 
