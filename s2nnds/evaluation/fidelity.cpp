@@ -8,6 +8,7 @@
 #include "s2nnds/core/dynamic_time_warping.h"
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/data/survey.h"
+#include "s2nnds/problem/phase_targets.h"
 #include "s2nnds/problem/start_paths.h"
 
 namespace s2nnds {
@@ -205,7 +206,7 @@ class CorrectionList {
       if (!led.counts[j]) continue;
       Eigen::RowVectorXd way = led.place.row(j) - path.row(i);
       way[last] = 0.0;
-      add(path.row(i), velocity.row(j) + kGain * way);
+      add(path.row(i), velocity.row(j) + phase_gain * way);
       add(led.place.row(j), velocity.row(j));
     }
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/data/survey.h"
 
 namespace s2nnds {
 namespace {
@@ -16,6 +17,7 @@ constexpr double kEnd = 0.1;           // of the phase: from here on what is sho
 constexpr double kSlowest = 0.1;       // of the phase
 constexpr Eigen::Index kBetween = 20;  // places between a sample and the path that are looked at
 constexpr std::int64_t kDraws = 20;    // a sample that is wanted
+constexpr Eigen::Index kPassed = 200;  // of a demonstration
 
 // The first sample at which the phase, which falls, is at most `s`; the last one where there is none.
 Eigen::Index sample_at(const Demonstration& d, double s) {
@@ -64,13 +66,25 @@ VelocityTargets phase_targets(const SafetyProblem& problem, const std::vector<De
     targets.position.row(row) << x, s;
     const double share = share_at(s);
     targets.velocity.row(row) << share * d.velocity.row(i).head(places) +
-                                     std::min(1.0, kFastest / distance) * (path - x),
+                                     std::min(phase_gain, kFastest / distance) * (path - x),
         rate_at(s, share * d.velocity(i, places));
     ++row;
   }
   targets.position.conservativeResize(row, Eigen::NoChange);
   targets.velocity.conservativeResize(row, Eigen::NoChange);
   return targets;
+}
+
+Points phase_path(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations) {
+  check(problem.has_phase(), "phase path: found a problem without a phase, expected one with");
+  Points path(0, problem.dimension());
+  for (const Demonstration& each : demonstrations) {
+    const Points places = along_path(each.position, kPassed);
+    if (problem.unsafe->level(places).minCoeff() <= 0.0) continue;
+    path.conservativeResize(path.rows() + kPassed, Eigen::NoChange);
+    path.bottomRows(kPassed) = places;
+  }
+  return path;
 }
 
 }  // namespace s2nnds

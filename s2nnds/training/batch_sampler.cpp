@@ -6,6 +6,7 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/problem/interval.h"
+#include "s2nnds/problem/phase_targets.h"
 
 namespace s2nnds {
 namespace {
@@ -124,6 +125,7 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
     const Vector x = all_position.row(i);
     if (margin == 0.0 || !may_meet(*problem.unsafe, {x - reach, x + reach}, 8)) kept.push_back(i);
   }
+  if (problem.has_phase()) path_ = phase_path(problem, demonstrations);
   drawn_ = std::ssize(kept);
   position_ = all_position(kept, Eigen::all);
   velocity_ = stacked(velocity, funnel.velocity)(kept, Eigen::all);
@@ -203,7 +205,8 @@ Batch BatchSampler::draw(RandomStream& random) const {
     append_counterexamples(x, at, pool, old, problem_.workspace, 0.0, random);
     return x;
   };
-  batch.initial = region(initial_, initial_stock_, pools_.initial, options_.initial);
+  batch.initial = stacked(region(initial_, initial_stock_, pools_.initial, options_.initial),
+                          some(path_, options_.initial, n, random));
   const Points obstacle = region(unsafe_, unsafe_stock_, pools_.unsafe, options_.unsafe);
   const Points margin = region(workspace_margin_, margin_stock_, pools_.unsafe, options_.unsafe);
   batch.unsafe.resize(obstacle.rows() + margin.rows(), n);
