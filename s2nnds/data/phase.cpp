@@ -87,15 +87,21 @@ PhaseChoice choose_phase(const std::string& state, const DemonstrationSet& set, 
 
 Frame add_phase(DemonstrationSet& set, const Frame& frame) {
   Frame states = frame;
-  states.phase_start = frame.position_scale;
-  for (std::size_t k = 0; k < set.demonstrations.size(); ++k) {
-    Demonstration& d = set.demonstrations[k];
-    const Vector length = path_length(d);
-    const double whole = length[d.samples() - 1];
+  states.phase_start = 0.0;
+  std::vector<Vector> lengths;
+  for (const Demonstration& d : set.demonstrations) {
+    lengths.push_back(path_length(d));
+    const double whole = lengths.back()[d.samples() - 1];
     check(whole > 0.0 && std::isfinite(whole),
           "data.state: demonstration {} has velocities whose integral is {}; expected a motion, of which a "
           "phase can be made",
-          k, whole);
+          lengths.size() - 1, whole);
+    states.phase_start += whole / static_cast<double>(set.demonstrations.size());
+  }
+  for (std::size_t k = 0; k < set.demonstrations.size(); ++k) {
+    Demonstration& d = set.demonstrations[k];
+    const Vector& length = lengths[k];
+    const double whole = length[d.samples() - 1];
     const Vector rate = -states.phase_start / whole * d.velocity.rowwise().norm();
     d.position = beside(d.position, states.phase_start * (1.0 - length.array() / whole));
     d.velocity = beside(d.velocity, rate);

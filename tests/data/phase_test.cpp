@@ -50,12 +50,12 @@ TEST(Phase, OfACircleAtConstantSpeedFallsLinearly) {
   const Frame frame = add_phase(set, places);
   const Demonstration& d = set.demonstrations[0];
   ASSERT_EQ(d.dimension(), 3);
-  EXPECT_NEAR(frame.phase_start, 0.4, 1e-9);  // the farthest coordinate from the goal at (5.2, 0)
-  EXPECT_EQ(frame.phase_start, places.position_scale);
+  const double length = 0.4 * M_PI;
+  EXPECT_NEAR(frame.phase_start, length, 1e-4);
   EXPECT_EQ(frame.position_scale, places.position_scale);
   for (Eigen::Index i = 0; i < d.samples(); ++i) {
-    EXPECT_NEAR(d.position(i, 2), 0.4 * (1 - d.time[i] / 2), 1e-5);
-    EXPECT_NEAR(d.velocity(i, 2), -0.2, 1e-4);
+    EXPECT_NEAR(d.position(i, 2), length * (1 - d.time[i] / 2), 1e-4);
+    EXPECT_NEAR(d.velocity(i, 2), -length / 2, 3e-4);
   }
   EXPECT_EQ(d.position(d.samples() - 1, 2), 0.0);
   EXPECT_TRUE(frame.has_phase());
@@ -65,13 +65,24 @@ TEST(Phase, OfACircleAtConstantSpeedFallsLinearly) {
   EXPECT_EQ(frame.goals.cols(), 3);
   EXPECT_NO_THROW(frame.check(1, 3, "test"));
   const Demonstration normalised = frame.normalize(set.demonstrations)[0];
-  EXPECT_NEAR(normalised.position(0, 2), 1.0, 1e-12);
+  EXPECT_NEAR(normalised.position(0, 2), frame.phase_start / 0.4, 1e-6);  // the goal is at (5.2, 0)
   EXPECT_LE(normalised.velocity.cwiseAbs().maxCoeff(), 1.0 + 1e-12);
   const Frame again = frame.of_places();
   EXPECT_EQ(again.goal, places.goal);
   EXPECT_EQ(again.goals, places.goals);
   EXPECT_FALSE(again.has_phase());
   EXPECT_EQ(frame.position_text(Vector{{5.2, 0.0, 0.4}}), "(5.2, 0) m, s = 0.4 m");
+}
+
+// Of demonstrations of different lengths it starts at one number.
+TEST(Phase, StartsAtTheMeanLength) {
+  const auto large = [](double share) {
+    return Eigen::Vector2d(1.5 * (circle(share) - Eigen::Vector2d(5, 0)));
+  };
+  DemonstrationSet set = set_of({motion(circle), motion(large)});
+  const Frame frame = add_phase(set, find_frame(set, "max_abs"));
+  EXPECT_NEAR(frame.phase_start, 0.5 * M_PI, 1e-4);
+  for (const Demonstration& d : set.demonstrations) EXPECT_EQ(d.position(0, 2), frame.phase_start);
 }
 
 // Its rate is its derivative, and both vanish with the speed at the end.

@@ -82,7 +82,7 @@ class PhaseTest(ProgramTest):
         self.assertIn("auto chose phase", err)
         run = Run(self.path("run.h5"))
         self.assertEqual((run.dimension, run.data.places), (3, 2))
-        self.assertAlmostEqual(run.phase_start, 0.4, delta=0.02)
+        self.assertAlmostEqual(run.phase_start, 0.4 * np.pi, delta=0.03)  # the mean length
         self.assertIn("auto chose phase", " ".join(run.data.report))
         for d in run.data.demonstrations:
             self.assertEqual(d.position.shape[1], 3)
