@@ -77,7 +77,7 @@ TEST(Phase, OfACircleAtConstantSpeedFallsLinearly) {
 // Of demonstrations of different lengths it starts at one number.
 TEST(Phase, StartsAtTheMeanLength) {
   const auto large = [](double share) {
-    return Eigen::Vector2d(1.5 * (circle(share) - Eigen::Vector2d(5, 0)));
+    return Eigen::Vector2d(1.5 * circle(share) - Eigen::Vector2d(2.6, 0));
   };
   DemonstrationSet set = set_of({motion(circle), motion(large)});
   const Frame frame = add_phase(set, find_frame(set, "max_abs"));

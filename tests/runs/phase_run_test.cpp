@@ -60,26 +60,27 @@ TEST(PhaseRun, SetsAreThoseOfPlaces) {
   EXPECT_EQ(setup.data.dimension, 3);
   EXPECT_EQ(problem.dimension(), 3);
   EXPECT_EQ(problem.places(), 2);
-  EXPECT_DOUBLE_EQ(problem.phase_start, 1.0);
-  EXPECT_DOUBLE_EQ(problem.workspace.lower[2], -0.25);
-  EXPECT_DOUBLE_EQ(problem.workspace.upper[2], 1.25);
+  const double start = problem.phase_start;
+  EXPECT_NEAR(start, 2 * M_PI * 0.205 / setup.data.frame.position_scale, 5e-3);  // the mean length
+  EXPECT_DOUBLE_EQ(problem.workspace.lower[2], -0.25 * start);
+  EXPECT_DOUBLE_EQ(problem.workspace.upper[2], 1.25 * start);
   EXPECT_DOUBLE_EQ(problem.workspace.upper[0], 1.25);
-  EXPECT_TRUE(problem.contained.lower[2] > -0.25 && problem.contained.upper[2] < 1.25);
-  // The obstacle is there whatever the phase; motions start with it near 1.
+  EXPECT_TRUE(problem.contained.lower[2] > -0.25 * start && problem.contained.upper[2] < 1.25 * start);
+  // The obstacle is there whatever the phase; motions start with it near its start.
   const Vector middle =
       (Vector{{5.0, 3.0}} - setup.data.frame.goal.head(2)) / setup.data.frame.position_scale;
   for (const double s : {-0.2, 0.0, 0.6, 1.2})
-    EXPECT_TRUE(problem.unsafe->contains(Vector{{middle[0], middle[1], s}})) << s;
-  EXPECT_TRUE(problem.initial->contains(Vector{{0.0, 0.0, 1.0}}));
-  EXPECT_FALSE(problem.initial->contains(Vector{{0.0, 0.0, 0.9}}));
+    EXPECT_TRUE(problem.unsafe->contains(Vector{{middle[0], middle[1], s * start}})) << s;
+  EXPECT_TRUE(problem.initial->contains(Vector{{0.0, 0.0, start}}));
+  EXPECT_FALSE(problem.initial->contains(Vector{{0.0, 0.0, 0.9 * start}}));
   EXPECT_FALSE(problem.initial->contains(Vector{{0.0, 0.0, 0.0}}));
   EXPECT_EQ(problem.written_unsafe.type, "extrusion");
   const PreparedRun bounded =
       prepared({"problem.bounds.lower=[4.5, 2.6]", "problem.bounds.upper=[5.4, 3.4]"});
-  EXPECT_DOUBLE_EQ(bounded.problem.workspace.upper[2], 1.25);
+  EXPECT_DOUBLE_EQ(bounded.problem.workspace.upper[2], 1.25 * start);
   EXPECT_NEAR(bounded.problem.workspace.upper[1], 0.4 / bounded.data.frame.position_scale, 1e-9);
   const PreparedRun normalised = prepared({"problem.frame=\"normalised\"", "problem.unsafe={type=\"none\"}"});
-  EXPECT_TRUE(normalised.problem.initial->contains(Vector{{0.0, 0.0, 1.0}}));
+  EXPECT_TRUE(normalised.problem.initial->contains(Vector{{0.0, 0.0, start}}));
   EXPECT_EQ(normalised.problem.unsafe->describe(), "none");
   EXPECT_FALSE(prepared({"data.state=\"position\""}).problem.has_phase());
 }
@@ -109,8 +110,9 @@ TEST(PhaseRun, IsSaidInTheStatementAndInExports) {
   record.networks = some_networks();
   record.certificate.guarantee = Guarantee::invariant;
   const std::string text = guarantee_statement(record);
-  for (const char* words : {"every motion (x, s)' = f(x, s)", "s a number that the controller starts at 0.",
-                            "s' = f_s(x, s)", "whatever s is", "whatever the last coordinate"})
+  for (const char* words :
+       {"every motion (x, s)' = f(x, s)", "s a number that the controller starts at 1.288 m",
+        "s' = f_s(x, s)", "whatever s is", "whatever the last coordinate"})
     EXPECT_NE(text.find(words), std::string::npos) << words << " in: " << text;
   const PolicyInfo info = policy_of(record).info;
   EXPECT_EQ(info.phase_start, setup.data.frame.phase_start);
@@ -138,7 +140,8 @@ TEST(PhaseRun, MotionsAreJudgedByTheirPlaces) {
   EXPECT_GT(std::abs(motion_errors(one, shown).dtw - motion_errors(other, shown).dtw), 1e-2);
   // Areas are those of places from which motions start.
   const SafeArea area = measure_safe_area(some_networks().f, some_networks().B, setup.problem, 100);
-  EXPECT_NEAR(area.safe_area, 3.5, 0.01);  // x + y / 2 <= 0.15, of 6.25
+  // x + y / 2 <= 0.4 - s / 4, of 6.25
+  EXPECT_NEAR(area.safe_area, 3.125 + 2.5 * (0.4 - 0.25 * setup.problem.phase_start), 0.01);
   EXPECT_LE(area.true_safe_area, 6.25);
 }
 

@@ -11,6 +11,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/data/frame.h"
 #include "s2nnds/data/handwriting.h"
+#include "s2nnds/data/phase.h"
 #include "s2nnds/evaluation/rollout.h"
 #include "s2nnds/training/falsifier.h"
 
@@ -240,6 +241,26 @@ TEST(Trainer, RefusesNetworksOfAnotherShape) {
   TrainerState state = trainer.state();
   state.networks.B.layers[0].weight.resize(3, 2);
   EXPECT_THROW(trainer.restore(state), Error);
+}
+
+TEST(BatchSampler, DrawsAlongTheDemonstrationsWhereThereIsAPhase) {
+  Fixture fixture;
+  RandomStream random(1, "test");
+  const auto drawn = [&](const std::vector<Demonstration>& shown) {
+    return BatchSampler(fixture.problem, shown, fixture.options).draw(random).initial;
+  };
+  EXPECT_EQ(drawn(fixture.demonstrations).rows(), fixture.options.batch.initial);
+  DemonstrationSet set = handwriting("Sine");
+  fixture.frame = find_state(set, "phase", "max_abs", {"each"});
+  fixture.demonstrations = fixture.frame.normalize(set.demonstrations);
+  ProblemOptions p;
+  p.frame = "normalised";
+  fixture.problem = make_problem(p, fixture.demonstrations, fixture.frame);
+  const Points more = drawn(fixture.demonstrations);
+  ASSERT_EQ(more.rows(), 2 * fixture.options.batch.initial);
+  // B is asked for from the start to the goal.
+  EXPECT_LT(more.col(2).minCoeff(), 0.2 * fixture.problem.phase_start);
+  EXPECT_GT((fixture.problem.initial->level(more).array() > 0.0).count(), fixture.options.batch.initial / 2);
 }
 
 TEST(BatchSampler, LeavesOutSamplesNearTheObstacleAndOnlyThose) {
