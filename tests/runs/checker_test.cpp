@@ -261,8 +261,9 @@ TEST_F(Checker, ReadsExpressions) {
   EXPECT_EQ(exit_code(record), 2);
 }
 
-// The hand-made system with a phase s beside x, as a barrier that is negative for |x_i| < 0.8 and |s - 0.5| < 0.65.
-Networks networks_with_phase() {
+// The hand-made system with a phase s beside x that begins at `start`, as a barrier that is negative for |x_i| < 0.8 and
+// |s / start - 0.5| < 0.65.
+Networks networks_with_phase(double start) {
   Networks networks = {linear_field(-Points::Identity(3, 3)), {}, {}};
   networks.V.layers = {layer(Points::Identity(3, 3), Vector(), Activation::identity)};
   networks.V.head = Head::squared_norm;
@@ -270,8 +271,8 @@ Networks networks_with_phase() {
   Points inner = Points::Zero(6, 3), outer(1, 6);
   Vector shift(6);
   for (int i = 0; i < 3; ++i) {
-    const double gain = i == 2 ? 8.0 : barrier_gain, middle = i == 2 ? 0.5 : 0.0,
-                 edge = i == 2 ? 0.65 : barrier_edge;
+    const double gain = i == 2 ? 8.0 / start : barrier_gain, middle = i == 2 ? 0.5 * start : 0.0,
+                 edge = i == 2 ? 0.65 * start : barrier_edge;
     inner(2 * i, i) = inner(2 * i + 1, i) = gain;
     shift(2 * i) = -gain * (middle + edge);
     shift(2 * i + 1) = gain * (edge - middle);
@@ -292,13 +293,15 @@ TEST_F(Checker, ReadsStatesWithAPhase) {
         "unsafe = {{ type = \"ball\", center = {}, radius = 0.1 }}\n[training]\nlevel_band = 0.01\n",
         kMotion, center);
   };
-  RunRecord record = run_of(config("[1.05, 1.05]"), networks_with_phase());
+  const Networks networks =
+      networks_with_phase(prepare(parse_config(config("[1.05, 1.05]"), "a test"), "").problem.phase_start);
+  RunRecord record = run_of(config("[1.05, 1.05]"), networks);
   ASSERT_EQ(record.certificate.guarantee, Guarantee::invariant);
   EXPECT_EQ(exit_code(record), 0);
   // An obstacle that {B <= 0} touches for some phases alone.
-  record = run_of(config("[0.85, 0.0]"), networks_with_phase());
+  record = run_of(config("[0.85, 0.0]"), networks);
   ASSERT_NE(record.certificate.guarantee, Guarantee::invariant);
-  claim(record, networks_with_phase());
+  claim(record, networks);
   EXPECT_EQ(exit_code(record), 3);
 }
 
