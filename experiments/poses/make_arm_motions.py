@@ -5,8 +5,8 @@
     python3 make_arm_motions.py FOLDER     # planar_0.csv ...: two joints of a planar arm; seven_0.csv ...: a Franka arm's seven
 """
 
+import argparse
 import os
-import sys
 
 import numpy as np
 
@@ -79,7 +79,9 @@ def motion(arm, rng, bend=1.0):
 
 
 def main():
-    folder = sys.argv[1]
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("folder")
+    folder = parser.parse_args().folder
     os.makedirs(folder, exist_ok=True)
     rng = np.random.default_rng(5)
     for name, arm in (("planar", PLANAR), ("seven", SEVEN)):

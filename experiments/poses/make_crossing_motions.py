@@ -6,8 +6,8 @@ passed on another side: five recordings that differ a little, and a configuratio
     python3 make_crossing_motions.py FOLDER     # FOLDER/circle/config.toml, FOLDER/stroke/config.toml, ...
 """
 
+import argparse
 import os
-import sys
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -107,8 +107,11 @@ def varied(place, rng):
 
 
 def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("folder")
+    out = parser.parse_args().folder
     for k, (name, (place, pace, unsafe)) in enumerate(MOTIONS.items()):
-        folder = os.path.join(sys.argv[1], name)
+        folder = os.path.join(out, name)
         os.makedirs(folder, exist_ok=True)
         rng = np.random.default_rng(k)
         for number in range(DEMONSTRATIONS):

@@ -7,8 +7,8 @@ motions of second order as states (position, velocity); and a motion of two, thr
                                                # FOLDER/growth_2/config.toml ... FOLDER/growth_5/config.toml
 """
 
+import argparse
 import os
-import sys
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -88,7 +88,9 @@ def second_order_motion(stiffness, damping, turn, bend, rng):
 
 
 def main():
-    folder = sys.argv[1]
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("folder")
+    folder = parser.parse_args().folder
     rng = np.random.default_rng(11)
     head = 'name = "{}"\nprofile = "smooth"\n\n[data]\nsource = "csv"\nfiles = ["d*.csv"]\n{}\n[problem]\n{}'
     for name, (start, goal, bend, obstacle) in JOINTS.items():

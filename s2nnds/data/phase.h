@@ -28,8 +28,8 @@ PhaseChoice choose_phase(const std::string& state, const DemonstrationSet& set, 
 // Appends s as the last coordinate of all positions, and s' of all velocities: with v the velocities as they are,
 //   s(t) = start (1 - integral of |v| up to t / integral of |v|),  s'(t) = -start |v(t)| / integral of |v|,
 // by the trapezoidal rule, in the positions' unit. `start` is the mean length of the paths, so that s runs as fast as x
-// moves: of a long path with loops that follow each other closely, a shorter s would turn f, V and B too fast. Returns the frame of the states: the goal is (goal, 0), lengths keep their scale, and velocity_scale counts s'
-// too. Throws Error for a demonstration without velocities.
+// moves: of a long path with loops that follow each other closely, a shorter s would turn f, V and B too fast. Returns
+// the frame of the states: the goal is (goal, 0), lengths keep their scale, and velocity_scale counts s' too. Throws Error for a demonstration without velocities.
 Frame add_phase(DemonstrationSet& set, const Frame& frame);
 
 // Both: the frame of `set` as find_frame(), with a phase where choose_phase() uses one, which becomes a line of the

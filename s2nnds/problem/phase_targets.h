@@ -25,8 +25,8 @@ inline constexpr double phase_gain = 2.0;
 VelocityTargets phase_targets(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
                               std::int64_t count, RandomStream& random);
 
-// 200 states evenly spaced along each of the demonstrations that do not meet the unsafe set: [k, n + 1]. Motions from X0 pass
-// them, so that they belong to any safe set. It is a thin tube from X0 to the goal, most of whose surroundings may be
+// 200 states evenly spaced along each of the demonstrations that do not meet the unsafe set: [k, n + 1]. Motions from X0
+// are to pass there, so that a safe set that is of use holds them. It is a thin tube from X0 to the goal, most of whose surroundings may be
 // unsafe; where nothing asks for it, B ends up positive across it, and X0 and the goal lie in two parts of {B <= 0}. Throws
 // Error without a phase.
 Points phase_path(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations);

@@ -90,8 +90,7 @@ const std::string kSearch = "search, labels, backtracks; rate ",
 // May lose a share of {B <= 0}.
 std::string enlarge(double loss, const std::string& rollouts) {
   return fmt::format(
-      "enlarge, labels, only B, may be undone, may lose {:.3g}, 1 repairs; rate 0.5, imitation 0, lyapunov "
-      "0, "
+      "enlarge, labels, only B, may be undone, may lose {:.3g}, 1 repairs; rate 0.5, imitation 0, lyapunov 0, "
       "barrier_sets 2, barrier_decrease 2{}, obstacle_normal 0",
       loss, rollouts);
 }
