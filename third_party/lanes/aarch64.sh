@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # aarch64, by Debian 12's cross compiler and qemu on another processor: builds the program against Debian's arm64
 # packages and compares the weights of a short training with those of the other lanes. Needs no root once the
-# compiler and qemu are there. Not run to its end yet (README.md). On an aarch64 machine use the other lanes.
+# compiler and qemu are there. On an aarch64 machine use the other lanes.
 # S2NNDS_SYSROOT names another folder for the arm64 packages than build/lanes/aarch64-sysroot (1.4 GB).
 # Usage: bash third_party/lanes/aarch64.sh [-DOPTION=VALUE]...      (builds in build/lanes/aarch64)
 set -euo pipefail
