@@ -11,6 +11,7 @@ project=$(cd "$here/../.." && pwd)
 export PIP_DISABLE_PIP_VERSION_CHECK=1 CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
 
 [[ -x $venv/bin/python ]] || "${S2NNDS_PYTHON:-/usr/bin/python3}" -m venv "$venv"
+unset S2NNDS_PYTHON  # from here on the environment's: the program draws figures with the one that is named
 if ! "$venv/bin/python" -m pip install -q torch pytest; then
   echo "wheel.sh: pip could not install torch; is there a network?" >&2
   exit 77
