@@ -327,4 +327,18 @@ RegionPtr intersect(std::vector<RegionPtr> regions) {
 }
 RegionPtr complement(RegionPtr region) { return std::make_shared<Complement>(std::move(region)); }
 
+bool may_meet(const Region& region, const Box& box, int bisections) {
+  switch (region.classify(box)) {
+    case Location::inside:
+      return true;
+    case Location::outside:
+      return false;
+    case Location::unknown:
+      break;
+  }
+  if (bisections == 0) return true;
+  const auto [left, right] = box.bisect(box.widest_side());
+  return may_meet(region, left, bisections - 1) || may_meet(region, right, bisections - 1);
+}
+
 }  // namespace s2nnds

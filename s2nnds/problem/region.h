@@ -124,6 +124,10 @@ RegionPtr make_region(const RegionOptions& options, Eigen::Index dimension, Regi
 // The same where no file must be kept.
 RegionPtr make_region(const RegionOptions& options, Eigen::Index dimension);
 
+// Whether the box may meet the region: no only where it surely does not. Boxes of which that is not known are bisected so
+// many times at most, since enclosures of large boxes are wide.
+bool may_meet(const Region& region, const Box& box, int bisections);
+
 RegionPtr empty_region(Eigen::Index dimension);  // level +infinity
 // |x - center| <= radius; level: the signed distance. Throws Error unless center [n] is finite and radius is
 // finite and > 0.

@@ -15,25 +15,10 @@ namespace {
 // around a counterexample.
 constexpr double kNearestToGoal = 1e-3;
 constexpr double kJitter = 0.005;
+constexpr int kBisections = 8;             // of the box around a sample
 constexpr std::int64_t kBoundary = 4096;   // points of the obstacle's boundary to draw from
 constexpr std::size_t kStock = 20000;      // points of each region, in many dimensions
 constexpr Eigen::Index kCapacity = 20000;  // of a pool, whose oldest points leave: most have long been cured
-
-// Whether the box surely or possibly meets the region; bisects a little, since enclosures of large boxes are
-// wide.
-bool may_meet(const Region& region, const Box& box, int depth) {
-  switch (region.classify(box)) {
-    case Location::inside:
-      return true;
-    case Location::outside:
-      return false;
-    case Location::unknown:
-      break;
-  }
-  if (depth == 0) return true;
-  const auto [left, right] = box.bisect(box.widest_side());
-  return may_meet(region, left, depth - 1) || may_meet(region, right, depth - 1);
-}
 
 void append_some(Points& batch, Eigen::Index& at, const Points& from, Eigen::Index count,
                  RandomStream& random) {
@@ -91,7 +76,7 @@ void append(Points& pool, const Points& more) {
 }  // namespace
 
 BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
-                           const TrainerOptions& options, const VelocityTargets& funnel)
+                           const TrainerOptions& options, const VelocityTargets& beside)
     : problem_(problem),
       options_(options.batch),
       initial_(sampler_of(problem.initial, problem.workspace)),
@@ -111,7 +96,7 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
     for (Eigen::Index k = 0; k < demonstration.samples(); ++k, ++i) {
       const Vector x = position.row(i);
       if (margin == 0.0 || problem.unsafe->classify({x - near, x + near}) == Location::inside ||
-          !may_meet(*problem.unsafe, {x - reach, x + reach}, 8))
+          !may_meet(*problem.unsafe, {x - reach, x + reach}, kBisections))
         kept.push_back(i);
     }
   }
@@ -119,16 +104,16 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
         "training: every demonstration sample lies within obstacle_margin = {} of the unsafe set", margin);
   left_out_ = position.rows() - static_cast<std::int64_t>(kept.size());
   shown_ = std::ssize(kept);
-  const Points all_position = stacked(position, funnel.position);
+  const Points all_position = stacked(position, beside.position);
   const Vector reach = Vector::Constant(problem.dimension(), margin);
   for (; i < all_position.rows(); ++i) {
     const Vector x = all_position.row(i);
-    if (margin == 0.0 || !may_meet(*problem.unsafe, {x - reach, x + reach}, 8)) kept.push_back(i);
+    if (margin == 0.0 || !may_meet(*problem.unsafe, {x - reach, x + reach}, kBisections)) kept.push_back(i);
   }
   if (problem.has_phase()) path_ = phase_path(problem, demonstrations);
   drawn_ = std::ssize(kept);
   position_ = all_position(kept, Eigen::all);
-  velocity_ = stacked(velocity, funnel.velocity)(kept, Eigen::all);
+  velocity_ = stacked(velocity, beside.velocity)(kept, Eigen::all);
   jitter_ = (problem.initial->level(position_).array() <= 0.0)
                 .select(Vector::Constant(position_.rows(), options_.start_jitter), 0.0);
   if (options.loss.weight[LossTerm::obstacle_normal] > 0.0) {

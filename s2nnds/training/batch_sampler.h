@@ -38,12 +38,12 @@ inline constexpr Eigen::Index boundary_points_drawn = 128;  // points of the obs
 // followed back) is handed to it.
 class BatchSampler {
  public:
-  // Samples too near to the unsafe set (options.obstacle_margin) are left out, of demonstrations and of the
-  // funnel beside them. Points of the
-  // obstacle's boundary are drawn only where the term obstacle_normal has a weight. Throws Error where no
-  // sample is left, or the shares of the batch add up to more than 1.
+  // f is fitted to the demonstrations and to what it is shown beside them (the funnel, ways around the unsafe set).
+  // Samples of both too near to that set (options.obstacle_margin) are left out. Points of the obstacle's boundary are
+  // drawn only where the term obstacle_normal has a weight. Throws Error where no sample of the demonstrations is left, or
+  // the shares of the batch add up to more than 1.
   BatchSampler(const SafetyProblem& problem, const std::vector<Demonstration>& demonstrations,
-               const TrainerOptions& options, const VelocityTargets& funnel = {});
+               const TrainerOptions& options, const VelocityTargets& beside = {});
 
   Batch draw(RandomStream& random) const;                          // the points of one step
   Points uniform(std::int64_t count, RandomStream& random) const;  // uniform in X: [count, n]
@@ -54,14 +54,14 @@ class BatchSampler {
   void set_near_band(Points points) { near_band_ = std::move(points); }
   // Points [k, n] whose rollouts are safe, and points whose rollouts are not.
   void set_labels(Points safe, Points unsafe_rollouts);
-  // Whether samples of the funnel are drawn besides those of the demonstrations; at first they are.
-  void set_draws_funnel(bool draws) { drawn_ = draws ? position_.rows() : shown_; }
+  // Whether samples beside the demonstrations are drawn, too; at first they are.
+  void set_draws_beside(bool draws) { drawn_ = draws ? position_.rows() : shown_; }
   // What motions followed back ask for, until the next call.
   void set_backtracked(Backtracked backtracked) { backtracked_ = std::move(backtracked); }
 
   const CounterexamplePools& pools() const { return pools_; }               // for a checkpoint
   void set_pools(CounterexamplePools pools) { pools_ = std::move(pools); }  // of a checkpoint
-  // [K, n]: demonstration samples that are kept, then those of the funnel
+  // [K, n]: demonstration samples that are kept, then those beside them
   const Points& position() const { return position_; }
   Eigen::Index shown_samples() const { return shown_; }  // of these, those of the demonstrations
   const Points& velocity() const { return velocity_; }   // [K, n]: the velocities there

@@ -14,6 +14,7 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/networks/evaluator.h"
+#include "s2nnds/problem/detour.h"
 #include "s2nnds/problem/funnel.h"
 #include "s2nnds/problem/phase_targets.h"
 #include "s2nnds/training/flat_adam.h"
@@ -76,6 +77,15 @@ double annealed(std::int64_t step, std::int64_t steps) {
   return rise * (kRateAtEnd + (1.0 - kRateAtEnd) * fall);
 }
 
+// To targets of velocities (VelocityTargets, Backtracked), further ones.
+void append(auto& to, const VelocityTargets& more) {
+  Points position(to.position.rows() + more.position.rows(), to.position.cols()), velocity = position;
+  position << to.position, more.position;
+  velocity << to.velocity, more.velocity;
+  to.position = std::move(position);
+  to.velocity = std::move(velocity);
+}
+
 // The demonstrations, and motions like them from starts in X0 that they do not show.
 std::vector<Demonstration> with_start_paths(std::vector<Demonstration> demonstrations,
                                             const SafetyProblem& problem, double share, std::uint64_t seed) {
@@ -95,9 +105,10 @@ BatchSampler make_sampler(const SafetyProblem& problem, const std::vector<Demons
   RandomStream random(seed, "funnel");
   const std::int64_t count =
       std::llround(options.funnel * static_cast<double>(stack_positions(shown).rows()));
-  return BatchSampler(problem, with_start_paths(shown, problem, options.start_paths, seed), options,
-                      problem.has_phase() ? phase_targets(problem, shown, count, random)
-                                          : funnel_samples(problem, shown, count, random));
+  VelocityTargets beside = problem.has_phase() ? phase_targets(problem, shown, count, random)
+                                               : funnel_samples(problem, shown, count, random);
+  if (options.detour > 0.0) append(beside, detour_samples(problem, shown, options.detour));
+  return BatchSampler(problem, with_start_paths(shown, problem, options.start_paths, seed), options, beside);
 }
 
 NetworkWeights between(NetworkWeights a, const NetworkWeights& b, double part) {
@@ -114,14 +125,6 @@ double share_within(const NetworkWeights& B, const Points& points) {
   return static_cast<double>((value.array() <= 0.0).count()) / static_cast<double>(points.rows());
 }
 
-void append(Backtracked& to, const VelocityTargets& more) {
-  Points position(to.position.rows() + more.position.rows(), to.position.cols()), velocity = position;
-  position << to.position, more.position;
-  velocity << to.velocity, more.velocity;
-  to.position = std::move(position);
-  to.velocity = std::move(velocity);
-}
-
 // The networks whose weights lie between those of a (part 0) and b (part 1).
 Networks between(const Networks& a, const Networks& b, double part) {
   return {between(a.f, b.f, part), between(a.V, b.V, part), between(a.B, b.B, part), a.decay};
@@ -132,7 +135,8 @@ Networks between(const Networks& a, const Networks& b, double part) {
 // to the workspace's edge, where the margin must be kept.
 constexpr std::int64_t kStepsInMany = 2, kFewerLabelsInMany = 4;
 constexpr double kLabelsInMany = 0.3;
-// Boxes of many dimensions around a sample are found off an obstacle only if they are small.
+// Boxes of many dimensions around a sample are found off an obstacle only if they are small, and a detour in one of the few
+// directions that are tried is seldom one.
 constexpr double kObstacleMarginInMany = 1.0 / 30.0;
 
 // Motions of a projected f converge whatever they pass: what f is taught along those that are followed back would only
@@ -143,6 +147,7 @@ TrainerOptions adjusted(TrainerOptions options, const VectorFieldOptions& f, std
   if (dimension <= few_dimensions) return options;
   options.steps *= kStepsInMany;
   options.obstacle_margin *= kObstacleMarginInMany;
+  options.detour = 0.0;
   options.loss.weight[LossTerm::rollout_safety] *= kLabelsInMany;
   if (options.rollout_points > 0)
     options.rollout_points = std::max<std::int64_t>(1, options.rollout_points / kFewerLabelsInMany);
@@ -312,7 +317,7 @@ class Trainer::Impl {
     row.stage = now.stage;
     if (now.labels_rollouts) label(row, now.stage == Stage::enlarge);
     seek_backtracked(now);
-    sampler_.set_draws_funnel(!now.undone_unless_clean);
+    sampler_.set_draws_beside(!now.undone_unless_clean);
     if (now.starts_anew) start_anew(round);
     descend(row, now, now.only_barrier ? options_.enlarge_steps : options_.steps, 0);
     const double weight = now.loss.weight[LossTerm::imitation];

@@ -59,6 +59,7 @@ void TrainerOptions::visit(FieldVisitor& v) {
   v.field("smoothing", smoothing, between(0.0, 1.0));
   v.field("start_paths", start_paths, at_least(0.0));
   v.field("funnel", funnel, at_least(0.0));
+  v.field("detour", detour, at_least(0.0));
   v.field("obstacle_margin", obstacle_margin, at_least(0.0));
   v.field("samples", samples, at_least(1));
   v.field("level_band", level_band, above(0.0));
@@ -77,7 +78,7 @@ TrainerOptions paper_training() {
   options.imitation_finetune_rounds = options.enlarge_rounds = options.rate_period = 0;
   options.rate_certificates = 3e-3;
   options.max_level_shift = 0.0;
-  options.smoothing = options.start_paths = options.funnel = options.obstacle_margin =
+  options.smoothing = options.start_paths = options.funnel = options.detour = options.obstacle_margin =
       options.batch.start_jitter = 0.0;
   options.weight_decay = options.warm_start.weight_decay = 0.0;
   options.loss = {.kind = "paper",
@@ -97,7 +98,7 @@ TrainerOptions imitation_training() {
   options.rounds = options.min_rounds = 5;
   options.steps = 500;
   options.batch.demonstrations = 512;
-  options.start_paths = options.funnel = 0.0;
+  options.start_paths = options.funnel = options.detour = 0.0;
   options.rollout_points = 0;
   options.refine = false;
   options.imitation_finetune_rounds = options.enlarge_rounds = 0;

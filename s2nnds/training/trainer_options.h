@@ -111,6 +111,9 @@ struct TrainerOptions {
   // Samples, as a share of the demonstrations' (>= 0; 0: none), of places beside the demonstrations, where f leads back
   // to them.
   double funnel = 0.3;
+  // Where demonstrations pass through Xu, f is shown a way around it, besides, that keeps so far from it (normalised
+  // units, per axis, >= 0; 0: none). Not in five and more dimensions.
+  double detour = 0.06;
   // Demonstration samples nearer to Xu than this (normalised units, per axis, >= 0) are left out; twice this
   // for demonstrations that pass through Xu, whose samples within Xu by more than this stay. In five and more
   // dimensions, where a box of this size meets most obstacles, a thirtieth of it counts.
