@@ -50,6 +50,34 @@ std::vector<Island> find_islands(const CellGrid& grid, const Points& middles, co
   return islands;
 }
 
+// Cells next to one of {B <= 0} count as free, which bridges straits that the grid misses.
+std::vector<Fragment> find_fragments(const CellGrid& grid, const Points& middles, const Points& barrier) {
+  const Eigen::Index n = middles.cols(), size = middles.rows();
+  std::vector<bool> free(size), reached(size, false);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    free[k] = barrier(k, 0) <= 0.0;
+    grid.neighbours(k, [&](Eigen::Index next) { free[k] = free[k] || barrier(next, 0) <= 0.0; });
+  }
+  flood(grid, free, {grid.cell_of(Vector::Zero(n))}, reached);
+  std::vector<Fragment> fragments;
+  for (Eigen::Index k = 0; k < size; ++k) {
+    if (reached[k] || barrier(k, 0) > 0.0) continue;
+    std::vector<bool> part(size, false);
+    flood(grid, free, {k}, part);
+    std::size_t cells = 0;
+    for (Eigen::Index j = 0; j < size; ++j) {
+      if (!part[j]) continue;
+      reached[j] = true;
+      if (barrier(j, 0) <= 0.0) ++cells;
+    }
+    if (cells >= kLeastCells)
+      fragments.push_back({middles.row(k).transpose(), static_cast<double>(cells) * grid.cell_volume()});
+  }
+  std::stable_sort(fragments.begin(), fragments.end(),
+                   [](const Fragment& a, const Fragment& b) { return a.volume > b.volume; });
+  return fragments;
+}
+
 Eigen::MatrixXd jacobian(const StateFunction& f, const Vector& x) {
   const Eigen::Index n = x.size();
   Points around(2 * n, n);
@@ -118,7 +146,9 @@ Topology find_topology(const StateFunction& f, const StateFunction& B, const Saf
   if (problem.dimension() > 3) return {};
   const CellGrid grid(problem.workspace, problem.dimension() == 2 ? 121 : 41);
   const Points middles = grid.middles();
-  return {find_islands(grid, middles, B.quick_value(middles), problem),
+  const Points barrier = B.quick_value(middles);
+  return {find_islands(grid, middles, barrier, problem),
+          problem.dimension() == 2 ? find_fragments(grid, middles, barrier) : std::vector<Fragment>(),
           find_equilibria(f, grid, middles, problem)};
 }
 

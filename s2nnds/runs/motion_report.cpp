@@ -166,6 +166,13 @@ std::vector<std::string> topology_remarks(const PreparedRun& setup, const RunRec
         "exist with it; a tail from it to the workspace's edge is needed.",
         island.holds_obstacle ? "around the obstacle at" : "at", units.position(numbers(island.place))));
   }
+  for (const Fragment& fragment : found.fragments) {
+    remarks.push_back(
+        fmt::format("{{B <= 0}} has a part at {} that does not reach the goal: its motions cannot arrive, so "
+                    "no certificate can "
+                    "exist with it.",
+                    units.position(numbers(fragment.place))));
+  }
   for (const Equilibrium& rest : found.equilibria) {
     remarks.push_back(fmt::format("f stands still at {} ({}{}), where V cannot fall.",
                                   units.position(numbers(rest.place)),

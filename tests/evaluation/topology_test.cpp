@@ -51,6 +51,20 @@ TEST(Topology, LetsATailToTheEdgePass) {
   EXPECT_TRUE(find_topology(kSink, scalar(tail), problem).is_possible());
 }
 
+TEST(Topology, SeesAPartThatDoesNotReachTheGoal) {
+  // A wall of B > 0 across the workspace, `half` wide on either side of x = 0.4.
+  const auto wall = [](double half) {
+    return StateFunction([half](const Points& x) -> Points { return half - (x.col(0).array() - 0.4).abs(); });
+  };
+  const Topology found = find_topology(kSink, wall(0.05), problem_in(2));
+  ASSERT_EQ(found.fragments.size(), 1U);
+  EXPECT_NEAR(found.fragments[0].volume, 0.55 * 2.0, 0.05);
+  EXPECT_GT(found.fragments[0].place[0], 0.4);
+  EXPECT_FALSE(found.is_possible());
+  EXPECT_TRUE(find_topology(kSink, wall(0.005), problem_in(2)).is_possible());  // less than a cell
+  EXPECT_TRUE(find_topology(kSink, wall(0.05), problem_in(3)).is_possible());
+}
+
 TEST(Topology, FindsEquilibriaWithTheirIndex) {
   const SafetyProblem problem = problem_in(2);
   const auto inside = [](const Eigen::RowVectorXd&) { return -1.0; };
