@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "s2nnds/core/check.h"
+#include "s2nnds/core/parallel.h"
 #include "s2nnds/verification/standard_floating_point.h"
 
 namespace s2nnds {
@@ -13,6 +15,7 @@ namespace {
 
 // The roundings, in double, of sums of non-negative numbers over a layer's neurons, up to a million of them.
 constexpr double layer_slack = 1.0 + 1e-9;
+constexpr Eigen::Index kTogether = 64;  // cells that one thread examines together
 
 struct Format {
   double roundoff;  // relative error of one rounding
@@ -38,15 +41,32 @@ double activation_size(Activation activation, double size) {
   return size;
 }
 
+// A layer, with the sizes of its weights.
+struct SizedLayer {
+  Points weight, size;  // [outputs, inputs]
+  Vector bias;          // [outputs]
+  Activation activation;
+};
+
+std::vector<SizedLayer> sized(const NetworkWeights& network) {
+  std::vector<SizedLayer> layers;
+  for (const Layer& layer : network.layers) {
+    layers.push_back({layer.weight, layer.weight.cwiseAbs(),
+                      layer.bias.size() > 0 ? layer.bias : Vector::Zero(layer.weight.rows()),
+                      layer.activation});
+  }
+  return layers;
+}
+
 // |computed y - y| for each output at boxes around `center`.
-Vector propagate(const NetworkWeights& network, const Format& format, const Vector& center,
+Vector propagate(const std::vector<SizedLayer>& layers, const Format& format, const Vector& center,
                  const Vector& half) {
   Vector middle = center, reach = half;  // a lies within middle +- reach
   Vector error = 6.0 * format.roundoff * (center.cwiseAbs() + half);
   error.array() += format.tiny;
-  for (const Layer& layer : network.layers) {
-    const Points size = layer.weight.cwiseAbs();
-    const Vector bias = layer.bias.size() > 0 ? layer.bias : Vector::Zero(layer.weight.rows());
+  for (const SizedLayer& layer : layers) {
+    const Points& size = layer.size;
+    const Vector& bias = layer.bias;
     const Vector largest = middle.cwiseAbs() + reach + error;
     const double rounding = 1.01 * (static_cast<double>(layer.weight.cols()) + 4.0) * format.roundoff;
     error = layer_slack * (size * error + rounding * (size * largest + bias.cwiseAbs()));
@@ -78,7 +98,6 @@ Vector propagate(const NetworkWeights& network, const Format& format, const Vect
 }
 
 double largest_error(const NetworkWeights& network, const Format& format, const Box& box) {
-  const StandardFloatingPoint mode;
   network.check();
   check(!is_sum_of_squares(network.head),
         "rounding error: found the head {}, expected plain or zero_at_origin", to_string(network.head));
@@ -89,21 +108,28 @@ double largest_error(const NetworkWeights& network, const Format& format, const 
   const auto side = static_cast<Eigen::Index>(std::max(2.0, std::floor(std::pow(4096.0, 1.0 / double(n)))));
   Eigen::Index cells = 1;
   for (Eigen::Index d = 0; d < n; ++d) cells *= side;
+  const std::vector<SizedLayer> layers = sized(network);
+  const StandardFloatingPoint mode;
   const Vector offset = network.head == Head::zero_at_origin
-                            ? propagate(network, format, Vector::Zero(n), Vector::Zero(n))
+                            ? propagate(layers, format, Vector::Zero(n), Vector::Zero(n))
                             : Vector::Zero(network.output_dimension());
   const Vector half = (box.upper - box.lower) / (2.0 * double(side)) * layer_slack;
-  double largest = 0.0;
-  for (Eigen::Index cell = 0; cell < cells; ++cell) {
+  const auto error_in = [&](Eigen::Index cell) {
     Vector center(n);
     for (Eigen::Index d = 0, rest = cell; d < n; ++d, rest /= side) {
       center(d) = box.lower(d) + (box.upper(d) - box.lower(d)) * (double(rest % side) + 0.5) / double(side);
     }
-    const double found = (propagate(network, format, center, half) + offset).norm();
-    if (!(found <= largest)) largest = found;
-    if (std::isnan(found)) return std::numeric_limits<double>::infinity();
-  }
-  return largest * layer_slack;
+    const double found = (propagate(layers, format, center, half) + offset).norm();
+    return std::isnan(found) ? std::numeric_limits<double>::infinity() : found;
+  };
+  std::vector<double> largest(static_cast<std::size_t>((cells + kTogether - 1) / kTogether), 0.0);
+  parallel_for(std::ssize(largest), [&](std::ptrdiff_t part, int) {
+    const StandardFloatingPoint same_mode;  // of this thread
+    double& here = largest[static_cast<std::size_t>(part)];
+    for (Eigen::Index cell = part * kTogether; cell < std::min(cells, (part + 1) * kTogether); ++cell)
+      here = std::max(here, error_in(cell));
+  });
+  return *std::max_element(largest.begin(), largest.end()) * layer_slack;
 }
 
 }  // namespace
