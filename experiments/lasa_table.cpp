@@ -52,15 +52,6 @@ std::vector<s2nnds::ListedTrial> trials(const Arguments& arguments) {
   return all;
 }
 
-// No counterexample among the samples, which the conformal bound wants as well.
-bool passed_samples(const Run& run) {
-  for (const json& condition : run.summary["conditions"]) {
-    for (const char* method : {"sampled", "conformal"})
-      if (condition.contains(method) && condition[method]["verdict"] != "passed") return false;
-  }
-  return true;
-}
-
 double first_clean_second(const Run& run) {
   return run.summary["seconds"].value("first_clean_round", HUGE_VAL);
 }
@@ -80,7 +71,6 @@ std::string safe_area(const Row& row) {
 
 const std::vector<Column> kGuarantees = {
     {"invariant", share_of(seed_run, is_invariant)},
-    {"conformal", share_of(seed_run, passed_samples)},
     {"first s", of_seeds(first_clean_second, "{:.0f}")},
     {"train s", of_seeds(in_summary("/seconds/training"), "{:.0f}")},
     {"rounds", of_seeds(in_summary("/rounds"), "{:.0f}")},

@@ -179,8 +179,10 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
   }
   certificate.weight_hash = weight_hash(record.networks);
   certificate.level_band = setup.config.training.level_band;
-  certificate.barrier_float32_error = float32_error(record.networks.B, setup.problem.workspace);
-  certificate.barrier_float64_error = float64_error(record.networks.B, setup.problem.workspace);
+  if (!(certificate.barrier_float32_error > 0.0)) {  // nor known from another method
+    certificate.barrier_float32_error = float32_error(record.networks.B, setup.problem.workspace);
+    certificate.barrier_float64_error = float64_error(record.networks.B, setup.problem.workspace);
+  }
   certificate.stability = prove_stability(record.networks);
   const std::vector<ConditionVerdict> verdicts =
       verdicts_by(method, setup, record, options, progress, covers);
@@ -212,8 +214,12 @@ void find_certified_speeds(const PreparedRun& setup, RunRecord& record) {
 
 void verify_as_configured(const PreparedRun& setup, RunRecord& record, const ProofProgress& progress) {
   const VerificationOptions& options = setup.config.verification;
-  for (const Method method : {Method::sampled, Method::conformal, Method::proof})
-    if (method <= options.method.value_or(Method::proof)) verify(setup, record, method, options, progress);
+  const Method configured = options.method.value_or(Method::proof);
+  verify(setup, record, Method::sampled, options);
+  if (configured == Method::proof) verify(setup, record, Method::proof, options, progress);
+  // A proof says more than conformal calibration, which takes longer.
+  const bool proved = record.certificate.guarantee == Guarantee::invariant;
+  if (configured != Method::sampled && !proved) verify(setup, record, Method::conformal, options);
 }
 
 }  // namespace s2nnds

@@ -16,7 +16,8 @@ void verify(const PreparedRun& setup, RunRecord& record, Method method, const Ve
 // model, and updates the certificate. Throws Error without an execution model or that guarantee.
 void find_certified_speeds(const PreparedRun& setup, RunRecord& record);
 
-// verify() by the methods up to the configured one, from the weakest on: what ends a training.
+// What ends a training: verify() by samples, by the configured method, and conformally where a proof is asked for and does
+// not succeed.
 void verify_as_configured(const PreparedRun& setup, RunRecord& record,
                           const ProofProgress& progress = nullptr);
 
