@@ -55,7 +55,7 @@ constexpr double kFinetunedRate = 0.3;        // what is certified must stay nea
 // Fine-tuning ends with an error of this share of the warm start's, which only the funnel held back, after so many
 // rounds that were kept, or when the best error of the last few of them is less than this below the best before.
 constexpr double kFitted = 0.7;
-constexpr std::int64_t kFinetunedRounds = 7;
+constexpr std::int64_t kFinetunedRounds = 4;
 constexpr std::int64_t kPlateau = 3;
 constexpr double kPlateauGain = 0.03;
 
@@ -208,7 +208,7 @@ RoundPlan search_plan(const History& history, const TrainerOptions& options) {
     weight[LossTerm::imitation] = weight[LossTerm::lyapunov] = weight[LossTerm::obstacle_normal] = 0.0;
     return plan;
   }
-  if (options.refine) plan.repairs = 1;
+  if (options.refine) plan.repairs = kRepairs;
   plan.refining = plan.starts_anew ? 0 : refining_round(history, options);
   if (plan.refining == 0) return plan;
   plan.rate *= kRefinedRate;
