@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "s2nnds/core/check.h"
 
@@ -52,12 +51,10 @@ constexpr std::int64_t kRefiningRounds = 4;
 constexpr double kFinetunedImitation = 10.0;  // at first; see careful()
 constexpr double kFinetunedRate = 0.3;        // what is certified must stay nearly as it is
 
-// Fine-tuning ends with an error of this share of the warm start's, which only the funnel held back, after so many
-// rounds that were kept, or when the best error of the last few of them is less than this below the best before.
+// Fine-tuning ends with an error of this share of the warm start's, which only the funnel held back, or after so many
+// rounds that were kept: further ones did not lower the error on demonstrations that f had not seen.
 constexpr double kFitted = 0.7;
 constexpr std::int64_t kFinetunedRounds = 4;
-constexpr std::int64_t kPlateau = 3;
-constexpr double kPlateauGain = 0.03;
 
 constexpr std::int64_t kRepairs = 2;  // what f moved by little, B alone can follow
 
@@ -223,22 +220,14 @@ RoundPlan imitation_finetune_plan(const History& history, const TrainerOptions& 
                       options);
 }
 
-// Whether f no longer comes nearer to the demonstrations.
+// Whether f is as near to the demonstrations as it will be.
 bool is_fitted(const History& history) {
-  double best = std::numeric_limits<double>::infinity(), best_before = best;
-  std::vector<double> errors;
+  std::int64_t kept = 0;
   for (const RoundSummary& row : history) {
-    if (row.stage == Stage::imitation_finetune && row.is_kept()) errors.push_back(row.mse);
+    if (row.stage != Stage::imitation_finetune || !row.is_kept()) continue;
+    if (++kept >= kFinetunedRounds || row.mse < kFitted * history.front().mse) return true;
   }
-  const auto closest = std::min_element(errors.begin(), errors.end());
-  if (closest != errors.end() && *closest < kFitted * history.front().mse) return true;
-  if (std::ssize(errors) >= kFinetunedRounds) return true;
-  if (std::ssize(errors) <= kPlateau) return false;
-  for (std::size_t k = 0; k < errors.size(); ++k) {
-    double& least = k + kPlateau < errors.size() ? best_before : best;
-    least = std::min(least, errors[k]);
-  }
-  return best > (1.0 - kPlateauGain) * best_before;
+  return false;
 }
 
 // What concerns B alone.
