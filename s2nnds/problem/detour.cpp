@@ -13,8 +13,8 @@ namespace s2nnds {
 namespace {
 
 constexpr double kStep = 0.02, kFarthest = 1.0;  // by which a path is displaced
-constexpr double kRise = 0.3,
-                 kSteepest = 1 / 3.0;  // length of the rise at least, and displacement per length
+constexpr double kRise = 0.3;                    // length of the rise, at least
+constexpr double kSteepest = 1.0 / 3.0;          // displacement per length of the rise, at most
 constexpr double kTogether = 0.5;      // passages whose middles are nearer than this are led to one side
 constexpr int kBisections = 6;         // of a box that may or may not meet the set
 constexpr Eigen::Index kLooked = 200;  // samples of a path that are looked at, about

@@ -24,8 +24,8 @@ inline constexpr std::int64_t most_proved_dimensions = 4;
 // How a run's networks are verified, and the settings of each method.
 struct VerificationOptions {
   // What `train` ends with: sampled, conformal, or proof. With proof, the prover's open boxes also go back
-  // into training, and what is not proved in the end is verified conformally. auto (none here): conformal where f is projected or V a
-  // diffeomorphism, else proof; in sweeps proof
+  // into training, and what is not proved in the end is verified conformally. auto (none here): conformal
+  // where f is projected or V a diffeomorphism, else proof; in sweeps proof
   std::optional<Method> method;
   SampledOptions sampled;      // of the method sampled
   ConformalOptions conformal;  // of the method conformal

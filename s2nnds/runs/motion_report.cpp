@@ -169,8 +169,7 @@ std::vector<std::string> topology_remarks(const PreparedRun& setup, const RunRec
   for (const Fragment& fragment : found.fragments) {
     remarks.push_back(
         fmt::format("{{B <= 0}} has a part at {} that does not reach the goal: its motions cannot arrive, so "
-                    "no certificate can "
-                    "exist with it.",
+                    "no certificate can exist with it.",
                     units.position(numbers(fragment.place))));
   }
   for (const Equilibrium& rest : found.equilibria) {
