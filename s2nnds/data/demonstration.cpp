@@ -69,6 +69,13 @@ void check_demonstrations(const DemonstrationSet& set, const std::string& source
   }
 }
 
+Vector arc_lengths(const Points& path) {
+  Vector along = Vector::Zero(path.rows());
+  for (Eigen::Index i = 1; i < path.rows(); ++i)
+    along[i] = along[i - 1] + (path.row(i) - path.row(i - 1)).norm();
+  return along;
+}
+
 Points stack_positions(const std::vector<Demonstration>& demonstrations) {
   return stack(demonstrations, &Demonstration::position);
 }

@@ -45,6 +45,9 @@ void check_demonstrations(const DemonstrationSet& set, const std::string& source
 // The same for one demonstration; `where` names it in the message.
 void check_demonstration(const Demonstration& demonstration, const std::string& where);
 
+// The length of the path [M, n] up to each of its points: [M].
+Vector arc_lengths(const Points& path);
+
 // The positions of all samples of several demonstrations, one after another: [sum M, n].
 Points stack_positions(const std::vector<Demonstration>& demonstrations);
 // Their velocities, in the same order: [sum M, n].

@@ -11,14 +11,6 @@ namespace {
 constexpr double kSixtyDegrees = M_PI / 3;
 constexpr double kMostPlaces = 6000;  // of all demonstrations together: they are compared in pairs
 
-// Path lengths up to each sample: [M].
-Vector arc_lengths(const Points& position) {
-  Vector along = Vector::Zero(position.rows());
-  for (Eigen::Index i = 1; i < position.rows(); ++i)
-    along[i] = along[i - 1] + (position.row(i) - position.row(i - 1)).norm();
-  return along;
-}
-
 // Linear interpolation of the rows of `values` at `count` even places of `along`.
 Points evenly(const Vector& along, const Points& values, Eigen::Index count) {
   Points even(count, values.cols());

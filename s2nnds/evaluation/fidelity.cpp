@@ -158,8 +158,7 @@ struct Reference {
 // The velocity of the demonstration at each of its places evenly spaced along it: [kPlaces, n].
 Points velocities_along(const Demonstration& demonstration) {
   const Points& x = demonstration.position;
-  Vector length = Vector::Zero(x.rows());
-  for (Eigen::Index i = 1; i < x.rows(); ++i) length[i] = length[i - 1] + (x.row(i) - x.row(i - 1)).norm();
+  const Vector length = arc_lengths(x);
   Points velocity(kPlaces, x.cols());
   Eigen::Index i = 0;
   for (Eigen::Index j = 0; j < kPlaces; ++j) {

@@ -32,7 +32,7 @@ class Detours {
  public:
   Detours(std::vector<Demonstration>& demonstrations, const SafetyProblem& problem, double clearance)
       : demonstrations_(demonstrations), problem_(problem), clearance_(clearance) {
-    for (const Demonstration& each : demonstrations) length_.push_back(length_along(each.position));
+    for (const Demonstration& each : demonstrations) length_.push_back(arc_lengths(each.position));
   }
 
   void lead() {
@@ -52,12 +52,6 @@ class Detours {
   }
 
  private:
-  static Vector length_along(const Points& x) {
-    Vector length = Vector::Zero(x.rows());
-    for (Eigen::Index i = 1; i < x.rows(); ++i) length[i] = length[i - 1] + (x.row(i) - x.row(i - 1)).norm();
-    return length;
-  }
-
   const Points& path(const Passage& p) const { return demonstrations_[p.demonstration].position; }
   Eigen::RowVectorXd middle(const Passage& p) const { return path(p).row((p.first + p.last) / 2); }
 
@@ -163,7 +157,7 @@ class Detours {
       led.position.row(i) += part * height * u;
       led.velocity.row(i) += rate * height * led.velocity.row(i).norm() * u;
     }
-    length_[p.demonstration] = length_along(led.position);
+    length_[p.demonstration] = arc_lengths(led.position);
   }
 
   std::vector<Demonstration>& demonstrations_;

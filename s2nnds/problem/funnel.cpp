@@ -16,8 +16,7 @@ constexpr Eigen::Index kShown = 2000;  // samples of all demonstrations that are
 // Samples of a demonstration, even in length: the slow ones would outnumber the others.
 std::vector<Eigen::Index> even_rows(const Demonstration& demonstration, Eigen::Index count) {
   const Points& x = demonstration.position;
-  Vector length = Vector::Zero(x.rows());
-  for (Eigen::Index i = 1; i < x.rows(); ++i) length[i] = length[i - 1] + (x.row(i) - x.row(i - 1)).norm();
+  const Vector length = arc_lengths(x);
   std::vector<Eigen::Index> rows;
   Eigen::Index i = 0;
   for (Eigen::Index j = 0; j < count; ++j) {
