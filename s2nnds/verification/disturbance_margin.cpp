@@ -10,9 +10,9 @@
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
 #include "s2nnds/verification/convergence_ball.h"
+#include "s2nnds/verification/level_set_examiner.h"
 #include "s2nnds/verification/rounding.h"
 #include "s2nnds/verification/standard_floating_point.h"
-#include "s2nnds/verification/tile_examiner.h"
 
 namespace s2nnds {
 namespace {
@@ -30,7 +30,7 @@ constexpr double level_resolution = 1e-4;
 // For the margin and the ball together.
 constexpr double most_seconds = 60.0;
 
-// Boxes that {B = 0} may meet, with bounds that hold on each: Bdot <= rate and |grad B|_2 <= gradient.
+// Boxes that {B = 0} may meet, with bounds that hold on each: |grad B|_2 <= gradient, and Bdot <= rate where B = 0.
 // Together with boxes that {B = 0} does not meet they cover the workspace.
 struct LevelSetCover {
   struct Member {
@@ -40,7 +40,7 @@ struct LevelSetCover {
     bool withstands(double disturbance) const { return rate + disturbance * gradient * slack < -1e-300; }
   };
   std::vector<Member> members;
-  double weakest = -infinity;  // largest -(allowed disturbance) at the members' centres
+  double weakest = -infinity;  // largest -(allowed disturbance) of the members
 
   void add(const LevelSetCover& part) {
     members.insert(members.end(), part.members.begin(), part.members.end());
@@ -48,47 +48,22 @@ struct LevelSetCover {
   }
 };
 
-// Bdot + delta |grad B| < 0 wherever B = 0. Boxes that are proved join the examiner's own part of the cover.
-class BarrierExaminer final : public TileExaminer {
+// Bdot + disturbance |grad B| < 0 wherever B = 0. Boxes that are proved join the examiner's own part of the cover.
+class CoveringExaminer final : public LevelSetExaminer {
  public:
-  BarrierExaminer(const ProofFunctions& functions, double resolution, double disturbance,
-                  LevelSetCover& cover)
-      : TileExaminer(functions, resolution), disturbance_(disturbance), cover_(cover) {}
+  CoveringExaminer(const ProofFunctions& functions, double resolution, double disturbance,
+                   LevelSetCover& cover)
+      : LevelSetExaminer(functions, resolution, std::make_unique<BoundedPerturbation>(1.0), disturbance,
+                         infinity),
+        cover_(cover) {}
 
  private:
-  void look(int) override {
-    const TileForm& value = barrier_.value(tile_);
-    meets_ = !((value.lower(tile_) > 0.0) || (value.upper(tile_) < 0.0));
-    if (!meets_.any()) return;
-    const TileForm& rate = barrier_.lie_derivative(tile_);
-    rate_ = rate.upper(tile_);
-    center_rate_ = rate.value;
-    gradient_.setConstant(infinity);
-    if ((meets_ && rate_ < 0.0).any()) gradient_ = gradient_norm(barrier_, tile_);
-  }
-  std::optional<BoxStatus> judge(int, const Lane& lane) override {
-    if (!meets_(lane.at)) return BoxStatus::proved;
-    LevelSetCover::Member member = {lane.lower, lane.upper, rate_(lane.at), gradient_(lane.at)};
-    if (!member.withstands(disturbance_)) {
-      return lane.narrow || is_hopeless(lane.at) ? BoxStatus::abandoned : BoxStatus::undecided;
-    }
-    cover_.weakest = std::max(cover_.weakest, center_rate_(lane.at) / gradient_(lane.at));
-    cover_.members.push_back(std::move(member));
-    return BoxStatus::proved;
+  void on_proved(const Lane& lane, const Bounds& bounds) override {
+    cover_.weakest = std::max(cover_.weakest, bounds.rate / bounds.work);
+    cover_.members.push_back({lane.lower, lane.upper, bounds.rate, bounds.work});
   }
 
-  // Where the rate hardly varies and fails by more than that, parts of the box will fail too, unless {B = 0}
-  // happens to miss them. Giving up too early only costs margin.
-  bool is_hopeless(Eigen::Index lane) const {
-    constexpr double small = 0.03;
-    return rate_(lane) - center_rate_(lane) < small * std::abs(center_rate_(lane)) &&
-           center_rate_(lane) + (1.0 - small) * disturbance_ * gradient_(lane) > 0.0;
-  }
-
-  double disturbance_;
   LevelSetCover& cover_;
-  TileRow rate_, center_rate_, gradient_;
-  Eigen::Array<bool, tile_boxes, 1> meets_;
 };
 
 class Search {
@@ -157,7 +132,7 @@ class Search {
     const double resolution = level_resolution * width();
     std::deque<LevelSetCover> parts;  // one an examiner, that is one a thread
     BranchResult result = run(std::move(lower), std::move(upper), [&] {
-      return std::make_unique<BarrierExaminer>(functions_, resolution, disturbance, parts.emplace_back());
+      return std::make_unique<CoveringExaminer>(functions_, resolution, disturbance, parts.emplace_back());
     });
     for (const LevelSetCover& part : parts) cover.add(part);
     return result;
@@ -203,7 +178,7 @@ DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const Safe
   if (cover && std::isfinite(cover->weakest)) {
     // Steps start from the cover; one that fails would go on to the limit.
     search.limit_boxes(2 * search.boxes() + spare_boxes);
-    // The centres' ratios say where to look; what counts is what each step proves.
+    // The cover withstands that of its weakest member; what is finer may withstand more.
     double low = 0.0, high = -1.2 * cover->weakest;
     while (high < 1e9 && !search.out_of_time() && search.withstands(high, *cover)) {
       low = high;

@@ -6,20 +6,19 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
-#include "s2nnds/verification/band_bound.h"
 #include "s2nnds/verification/convergence_ball.h"
+#include "s2nnds/verification/level_set_examiner.h"
 #include "s2nnds/verification/rounding.h"
 #include "s2nnds/verification/standard_floating_point.h"
 #include "s2nnds/verification/supremum.h"
-#include "s2nnds/verification/tile_examiner.h"
 
 namespace s2nnds {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Boxes this small, relative to the workspace, are given up.
-constexpr double level_resolution = 1e-4;
+// Boxes this small, relative to the workspace, are given up; hopeless ones if they are so many times as wide.
+constexpr double level_resolution = 1e-4, hopeless_boxes = 40.0;
 constexpr std::int64_t most_boxes = 500000;
 constexpr double most_seconds = 60.0;
 
@@ -227,54 +226,6 @@ class ExecutionPerturbation final : public Perturbation {
   FieldEnclosure field_;
 };
 
-// grad B . (f + delta) < 0 wherever B = 0.
-class LevelSetExaminer final : public TileExaminer {
- public:
-  LevelSetExaminer(const ProofFunctions& functions, double resolution,
-                   std::unique_ptr<Perturbation> perturbation)
-      : TileExaminer(functions, resolution),
-        perturbation_(std::move(perturbation)),
-        hopeless_width_(hopeless_boxes * resolution) {}
-
- private:
-  // Where the rate hardly varies over a small box and fails by more than that, its parts will fail too,
-  // unless {B = 0} misses them. Giving up too early costs a certificate, never its truth.
-  static constexpr double small = 0.03, hopeless_boxes = 40.0;
-
-  // B, the rate along f, and at last, where that falls, what the perturbation adds.
-  void look(int count) override {
-    if (count == 0) {
-      const TileForm& form = barrier_.value(tile_);
-      meets_ = !((form.lower(tile_) > 0.0) || (form.upper(tile_) < 0.0));
-    } else if (count == 1) {
-      const TileForm form = barrier_.lie_derivative(tile_);
-      rate() = upper_within(form, barrier_.value(tile_), 0.0, tile_);
-      const TileRow upper = form.upper(tile_);
-      steady_rate() = (upper - form.value < small * upper.abs()).select(form.value, -infinity);
-      cut_for(form);
-    } else {
-      const TileRow own = perturbation_->work(barrier_, tile_) * slack;
-      carried_ = (own < carried_).select(own, carried_);
-      hopeless_ = steady_rate() + (1.0 - small) * own > 0.0;
-    }
-  }
-  std::optional<BoxStatus> judge(int count, const Lane& lane) override {
-    const Eigen::Index at = lane.at;
-    if (count == 0) return meets_(at) ? std::nullopt : std::optional(BoxStatus::proved);
-    if (rate()(at) + carried_(at) * slack < -1e-300) return BoxStatus::proved;
-    if (count == 1 && rate()(at) < 0.0) return std::nullopt;
-    const bool hopeless = count > 1 && hopeless_(at) && lane.width() <= hopeless_width_;
-    return lane.narrow || hopeless ? BoxStatus::abandoned : BoxStatus::undecided;
-  }
-
-  TileRow& rate() { return noted_[0]; }
-  TileRow& steady_rate() { return noted_[1]; }  // at the centre, where it hardly varies; else -infinity
-
-  std::unique_ptr<Perturbation> perturbation_;
-  Eigen::Array<bool, tile_boxes, 1> meets_, hopeless_;
-  double hopeless_width_;
-};
-
 void check_model(const ExecutionModel& model) {
   const auto is_size = [](double x) { return x >= 0.0 && x < infinity; };
   check(is_size(model.period) && is_size(model.delay) && is_size(model.lag) &&
@@ -319,7 +270,10 @@ BranchResult examine_level_set(const ProofFunctions& functions, const SafetyProb
   const double resolution = level_resolution * (workspace.upper - workspace.lower).maxCoeff();
   return branch_and_bound(
       workspace.lower.transpose(), workspace.upper.transpose(),
-      [&] { return std::make_unique<LevelSetExaminer>(functions, resolution, perturbation()); },
+      [&] {
+        return std::make_unique<LevelSetExaminer>(functions, resolution, perturbation(), 1.0,
+                                                  hopeless_boxes * resolution);
+      },
       level_set_limits(kept_boxes));
 }
 

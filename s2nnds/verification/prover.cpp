@@ -26,8 +26,8 @@ constexpr double hopeless_radius = 1e-8;
 
 // From so many dimensions on, boxes are too many to look at more than is needed: only where the condition asks for something,
 // within the band or the set. And where a proof found violations, what it left open besides is most of the workspace, of which
-// points are worth nothing. In fewer dimensions, where what a proof leaves open goes back into training, all is as it was.
-constexpr Eigen::Index kSpareDimensions = 4;
+// points are worth nothing. In the plane boxes are few, and points of all that is open go back into training.
+constexpr Eigen::Index kSpareDimensions = 3;
 
 // In more dimensions than this, no proof is gone on with that seems to need more boxes than are allowed.
 constexpr Eigen::Index kPatientDimensions = 4;

@@ -11,10 +11,11 @@
 namespace s2nnds {
 
 TileRow gradient_norm(ScalarEnclosure& function, const BoxTile& tile) {
+  const TileModels& gradient = function.gradient(tile);
   TileRow sum;
   for (Eigen::Index d = 0; d < tile.dimension(); ++d) {
-    const TileForm& partial = function.partial_derivative(tile, d);
-    sum += partial.upper(tile).max(-partial.lower(tile)).square();
+    const TileRow size = gradient.value(d).abs() + gradient.spread(d, tile) + gradient.deviation(d, tile);
+    sum += (size * slack + underflow).square();
   }
   return sum.sqrt() * slack;
 }

@@ -46,6 +46,23 @@ TEST(DisturbanceMargin, IsKnownForContractionOnAnEllipse) {
   }
 }
 
+// xdot = x (a - |x|^2), B = |x|^2 - 1: on the circle Bdot = -2 (1 - a), and |grad B| = 2. At |x|^2 < a, in boxes that the
+// circle meets, Bdot > 0.
+TEST(DisturbanceMargin, IsKnownWhereTheBarrierRisesNextToItsLevelSet) {
+  const auto radial = [](double a, Eigen::Index axis) {
+    Eigen::MatrixXi exponents = (Eigen::MatrixXi(3, 2) << 0, 0, 2, 0, 0, 2).finished();
+    exponents.col(axis).array() += 1;
+    return Polynomial((Vector(3) << a, -1.0, -1.0).finished(), exponents);
+  };
+  for (double a : {0.99, 0.7}) {
+    ProofFunctions functions = contracting(1.0);
+    functions.f = std::make_shared<PolynomialFunction>(std::vector{radial(a, 0), radial(a, 1)});
+    const DisturbanceMargin found = disturbance_margin(functions, plain_problem());
+    EXPECT_LE(found.margin, 1.0 - a);
+    EXPECT_GE(found.margin, 0.95 * (1.0 - a));
+  }
+}
+
 TEST(DisturbanceMargin, OneDisturbanceIsDecidedAlone) {
   const ProofFunctions functions = contracting(0.5);
   EXPECT_TRUE(prove_under_disturbance(functions, plain_problem(), 0.49, 10).proved);
