@@ -20,7 +20,10 @@ constexpr Eigen::Index kPlaces = 200;  // of a path
 constexpr double kMostOfLimit = 1.5;
 // Share of the limit beyond which a motion is corrected.
 constexpr double kStrays = 0.8;
-constexpr double kTouches = 1e-3;       // of the unsafe set's level, where a motion stops at it
+constexpr double kTouches = 1e-3;  // of the unsafe set's level, where a motion stops at it
+// Where one demonstration strays, so do others once that one alone is corrected, and the other way round in the next
+// round. So all are shown that keep off the unsafe set, and those that stray so many times as often.
+constexpr int kMoreOfStraying = 3;
 constexpr Eigen::Index kCorrected = 5;  // one of so many places is corrected
 constexpr Eigen::Index kEvery = 3;      // the same along a motion with a phase
 // Towards the path that should be taken, per distance to it, 1 / normalised time.
@@ -129,9 +132,9 @@ struct Reference {
   // Whether the path ends at the unsafe set, through which the demonstration leads: only conditions on B can
   // turn it aside.
   bool leads_into_unsafe(std::size_t k, const Points& path) const {
-    return problem.unsafe->level(path.bottomRows(1))[0] <= kTouches &&
-           problem.unsafe->level(shown[k].place).minCoeff() <= 0.0;
+    return problem.unsafe->level(path.bottomRows(1))[0] <= kTouches && passes_through(k);
   }
+  bool passes_through(std::size_t k) const { return problem.unsafe->level(shown[k].place).minCoeff() <= 0.0; }
 
   // What is shown of demonstration k, displaced so that it starts at `start`.
   Shown displaced(std::size_t k, const Eigen::RowVectorXd& start) const {
@@ -171,18 +174,10 @@ Points velocities_along(const Demonstration& demonstration) {
 
 class CorrectionList {
  public:
-  // Of a motion's path that should be as `led`, with velocities [kPlaces, n] there.
-  void add(const Points& path, const Shown& led, const Points& velocity, bool has_phase) {
-    if (has_phase) {
-      add_by_phase(path, led, velocity);
-      return;
-    }
-    const Points distance = distances(path, led, path.cols());
-    for (const auto& [i, j] : warp(distance).pairs) {
-      if ((i + j) % kCorrected != 0 || !led.counts[j]) continue;
-      add(path.row(i), velocity.row(j) + kGain * (led.place.row(j) - path.row(i)));
-      add(led.place.row(j), velocity.row(j));
-    }
+  // Of a motion's path that should be as `led`, with velocities [kPlaces, n] there: so many times.
+  void add(const Points& path, const Shown& led, const Points& velocity, bool has_phase, int times = 1) {
+    for (int i = 0; i < times; ++i)
+      has_phase ? add_by_phase(path, led, velocity) : add_by_order(path, led, velocity);
   }
 
   VelocityTargets list(Eigen::Index dimension) const {
@@ -196,6 +191,15 @@ class CorrectionList {
   }
 
  private:
+  void add_by_order(const Points& path, const Shown& led, const Points& velocity) {
+    const Points distance = distances(path, led, path.cols());
+    for (const auto& [i, j] : warp(distance).pairs) {
+      if ((i + j) % kCorrected != 0 || !led.counts[j]) continue;
+      add(path.row(i), velocity.row(j) + kGain * (led.place.row(j) - path.row(i)));
+      add(led.place.row(j), velocity.row(j));
+    }
+  }
+
   // The phase says where the motion should be, and runs down as it does there: it is not led back itself.
   void add_by_phase(const Points& path, const Shown& led, const Points& velocity) {
     const Eigen::Index last = path.cols() - 1;
@@ -251,18 +255,23 @@ VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& prob
   check(!demonstrations.empty(), "fidelity: found no demonstrations, expected at least one");
   const Reference reference(problem, demonstrations, limit, margin);
   CorrectionList list;
-  bool strayed = false;
   const auto strays = [](const Deviation& found) { return !(found.mean <= kStrays * found.limit); };
   const std::vector<Points> shown = paths_from(first_points(demonstrations), f, problem, options);
+  std::vector<int> times;  // that each demonstration is shown
+  bool one_strays = false, all_follow = true;
   for (std::size_t k = 0; k < shown.size(); ++k) {
-    if (reference.leads_into_unsafe(k, shown[k])) continue;
     const Deviation found = reference.from(k, shown[k]);
-    if (!found.follows()) strayed = true;
-    if (strays(found))
-      list.add(shown[k], reference.shown[k], velocities_along(demonstrations[k]), problem.has_phase());
+    const bool counts = !reference.leads_into_unsafe(k, shown[k]);
+    if (counts && strays(found)) one_strays = true;
+    if (counts && !found.follows()) all_follow = false;
+    times.push_back(!counts ? 0 : strays(found) ? kMoreOfStraying : reference.passes_through(k) ? 0 : 1);
+  }
+  for (std::size_t k = 0; k < shown.size() && one_strays; ++k) {
+    list.add(shown[k], reference.shown[k], velocities_along(demonstrations[k]), problem.has_phase(),
+             times[k]);
   }
   // Starts that were not shown are led as demonstrations go, so these come first.
-  if (strayed) return list.list(problem.dimension());
+  if (!all_follow) return list.list(problem.dimension());
   const std::vector<Points> paths = paths_from(starts, f, problem, options);
   for (Eigen::Index i = 0; i < starts.rows(); ++i) {
     const Points& path = paths[static_cast<std::size_t>(i)];

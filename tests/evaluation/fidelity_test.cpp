@@ -146,6 +146,27 @@ TEST(Fidelity, CorrectsTheMotionsThatStrayBackToTheirWay) {
   EXPECT_THROW(corrections_of(drifts, problem_with(nothing()), {}, none, 0.1, 0.0), Error);
 }
 
+// Of two demonstrations, from both sides, the one from the right is not followed.
+TEST(Fidelity, ShowsTheDemonstrationsBesideOneThatStraysUnlessTheyPassThroughTheObstacle) {
+  const auto right = shown([](double) { return 0.0; });
+  auto left = shown([](double x) { return 0.32 * x * (1.0 - x); });  // 0.08 high
+  left.position.col(0) *= -1.0;
+  const StateFunction drifts = [](const Points& x) -> Points {
+    Points v = -x;
+    v.col(1).array() -= 2.0 * x.col(0).array().max(0.0);
+    return v;
+  };
+  const auto on_the_left = [&](const RegionPtr& unsafe) {
+    const Points none(0, 2);
+    const VelocityTargets found = corrections_of(drifts, problem_with(unsafe), {right, left}, none, 0.1, 0.0);
+    EXPECT_GT(found.position.rows(), 100);
+    return static_cast<double>((found.position.col(0).array() < -0.05).count()) /
+           static_cast<double>(found.position.rows());
+  };
+  EXPECT_NEAR(on_the_left(nothing()), 0.25, 0.1);
+  EXPECT_EQ(on_the_left(ball((Vector(2) << -0.5, 0.1).finished(), 0.05)), 0.0);
+}
+
 TEST(Fidelity, DoesNotCorrectMotionsIntoAnObstacleThroughWhichTheyAreLed) {
   const Vector on_the_way = (Vector(2) << 0.5, 0.0).finished();
   const auto problem = problem_with(ball(on_the_way, 0.1));
