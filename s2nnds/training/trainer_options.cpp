@@ -80,7 +80,8 @@ TrainerOptions paper_training() {
   options.max_level_shift = 0.0;
   options.smoothing = options.start_paths = options.funnel = options.detour = options.obstacle_margin =
       options.batch.start_jitter = 0.0;
-  options.weight_decay = options.warm_start.weight_decay = 0.0;
+  options.weight_decay = 0.0;
+  options.warm_start = {.steps = 20000, .rate = 2e-3, .weight_decay = 0.0};
   options.loss = {.kind = "paper",
                   .weight = {{10.0, 1.0, 1.0, 1.0, 0.0, 0.0}},
                   .margin_initial = 0.01,

@@ -12,9 +12,9 @@ namespace s2nnds {
 
 // The first fit of f to the demonstrations alone.
 struct WarmStartOptions {
-  std::int64_t steps = 20000;  // Adam steps of 32 samples, >= 1, over which the rate falls to 0 (cosine)
-  double rate = 2e-3;          // Adam's rate at first, > 0
-  double weight_decay = 0.1;   // decoupled (AdamW), of all weights of f, >= 0
+  std::int64_t steps = 12000;  // Adam steps of 32 samples, >= 1, over which the rate falls to 0 (cosine)
+  double rate = 3e-3;          // Adam's rate at first, > 0
+  double weight_decay = 0.05;  // decoupled (AdamW), of all weights of f, >= 0
   std::int64_t attempts = 4;   // starts of f at most, >= 1: one that stalls is drawn anew
 
   void visit(FieldVisitor& v);  // names every key and its range
