@@ -38,10 +38,10 @@ std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProb
 
 // Of the motions from the demonstrations' first points and from `starts` [N, n], those whose deviation is
 // more than 0.8 of its limit: at places along them and along the path that they should take (start_paths.h),
-// the velocity there, and back to it; where a demonstration strays, also of all others that keep off the unsafe set, a third
-// as often. Where a demonstration is not followed, only those of demonstrations. None
-// where a demonstration leads through the unsafe set and the motion stops there. Where the state has a phase, it tells the
-// place to go to, and is not led back itself.
+// the velocity there, and back to it. Where a demonstration strays so far, all others that keep off the unsafe set
+// are among them, a third as often; where one is not followed, only demonstrations. None where a demonstration
+// leads through the unsafe set and the motion stops there. Where the state has a phase, it tells the place to go to,
+// and is not led back itself.
 // Normalised units. Throws Error without demonstrations.
 VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& problem,
                                const std::vector<Demonstration>& demonstrations, const Points& starts,
