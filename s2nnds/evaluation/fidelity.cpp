@@ -174,10 +174,18 @@ Points velocities_along(const Demonstration& demonstration) {
 
 class CorrectionList {
  public:
-  // Of a motion's path that should be as `led`, with velocities [kPlaces, n] there: so many times.
-  void add(const Points& path, const Shown& led, const Points& velocity, bool has_phase, int times = 1) {
-    for (int i = 0; i < times; ++i)
-      has_phase ? add_by_phase(path, led, velocity) : add_by_order(path, led, velocity);
+  // Of a motion's path that should be as `led`, with velocities [kPlaces, n] there.
+  void add(const Points& path, const Shown& led, const Points& velocity, bool has_phase) {
+    if (has_phase) {
+      add_by_phase(path, led, velocity);
+      return;
+    }
+    const Points distance = distances(path, led, path.cols());
+    for (const auto& [i, j] : warp(distance).pairs) {
+      if ((i + j) % kCorrected != 0 || !led.counts[j]) continue;
+      add(path.row(i), velocity.row(j) + kGain * (led.place.row(j) - path.row(i)));
+      add(led.place.row(j), velocity.row(j));
+    }
   }
 
   VelocityTargets list(Eigen::Index dimension) const {
@@ -191,15 +199,6 @@ class CorrectionList {
   }
 
  private:
-  void add_by_order(const Points& path, const Shown& led, const Points& velocity) {
-    const Points distance = distances(path, led, path.cols());
-    for (const auto& [i, j] : warp(distance).pairs) {
-      if ((i + j) % kCorrected != 0 || !led.counts[j]) continue;
-      add(path.row(i), velocity.row(j) + kGain * (led.place.row(j) - path.row(i)));
-      add(led.place.row(j), velocity.row(j));
-    }
-  }
-
   // The phase says where the motion should be, and runs down as it does there: it is not led back itself.
   void add_by_phase(const Points& path, const Shown& led, const Points& velocity) {
     const Eigen::Index last = path.cols() - 1;
@@ -266,10 +265,9 @@ VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& prob
     if (counts && !found.follows()) all_follow = false;
     times.push_back(!counts ? 0 : strays(found) ? kMoreOfStraying : reference.passes_through(k) ? 0 : 1);
   }
-  for (std::size_t k = 0; k < shown.size() && one_strays; ++k) {
-    list.add(shown[k], reference.shown[k], velocities_along(demonstrations[k]), problem.has_phase(),
-             times[k]);
-  }
+  for (std::size_t k = 0; k < shown.size() && one_strays; ++k)
+    for (int i = 0; i < times[k]; ++i)
+      list.add(shown[k], reference.shown[k], velocities_along(demonstrations[k]), problem.has_phase());
   // Starts that were not shown are led as demonstrations go, so these come first.
   if (!all_follow) return list.list(problem.dimension());
   const std::vector<Points> paths = paths_from(starts, f, problem, options);

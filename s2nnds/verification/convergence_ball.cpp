@@ -155,10 +155,6 @@ class SublevelExaminer final : public TileExaminer {
 
 }  // namespace
 
-TileRow BoundedPerturbation::work(ScalarEnclosure& function, const BoxTile& tile) {
-  return size_ * gradient_norm(function, tile) * slack;
-}
-
 ConvergenceBall convergence_ball(const ProofFunctions& functions, const SafetyProblem& problem,
                                  const PerturbationFactory& perturbation, BranchLimits limits) {
   const Box& workspace = problem.workspace;

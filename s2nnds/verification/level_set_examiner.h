@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "s2nnds/verification/convergence_ball.h"
+#include "s2nnds/verification/perturbation.h"
 #include "s2nnds/verification/tile_examiner.h"
 
 namespace s2nnds {

@@ -23,7 +23,7 @@ while read -r kernels expected; do
     continue
   fi
   code=0
-  # Keys are named whose defaults have changed since the hashes were taken.
+  # Keys are named whose defaults have changed before: the hashes tell that nothing else has.
   S2NNDS_ISA=$kernels OMP_WAIT_POLICY=passive \
     "${program[@]}" train "$here/../../experiments/configs/handwriting/Sine.toml" --seed 0 \
     --set training.rounds=3 --set training.min_rounds=3 --set training.steps=40 --set training.warm_start.steps=300 \

@@ -133,6 +133,16 @@ class AnotherMotionTest(ProgramTest):
 
 
 class FidelityTest(ProgramTest):
+    def test_a_certificate_of_a_motion_that_does_not_follow_is_no_success(self):
+        """Far less is allowed than the network can do: all is proved, and the run must say that it does not follow."""
+        code, out, err = self.call("train", SINE, "--set", "evaluation.fidelity=0.002", "--set", "training.imitation_finetune_rounds=0",
+                                   "--set", "training.enlarge_rounds=0", "--out", self.path("strict.h5"), "--json")
+        self.assertEqual(code, 3, err)
+        found = json.loads(out.splitlines()[-1])
+        self.assertEqual(found["guarantee"], "invariant")
+        self.assertFalse(found["follows"])
+        self.assertIn("does NOT follow", found["remarks"][0])
+
     def test_a_motion_that_follows_nothing_is_no_success(self):
         """A stroke with a loop, wide beside what is allowed: no x' = f(x) follows it, and the run must say so."""
         folder = self.path("loop")
