@@ -22,21 +22,40 @@ class FramedRegion final : public Region {
   // Both lengths are divided by the scale.
   bool is_lipschitz() const override { return region_->is_lipschitz(); }
   std::string describe() const override { return region_->describe(); }
+  // normal . (scale z + goal) <= offset; the normal's rounding, times what z is at most in the box, is allowed for.
+  std::optional<HalfspaceBound> bounding_halfspace(const Box& box, double level) const override {
+    const double before = (Interval(level) * Interval(scale_)).upper;
+    std::optional<HalfspaceBound> bound = region_->bounding_halfspace(image_of(box), before);
+    if (!bound) return bound;
+    Interval offset = bound->offset;
+    for (Eigen::Index i = 0; i < dimension(); ++i) {
+      const Interval exact = Interval(bound->normal[i]) * Interval(scale_);
+      offset = offset - Interval(bound->normal[i]) * Interval(goal_[i]);
+      bound->normal[i] = exact.lower;
+      offset = offset + (Interval(exact.lower) - exact) * Interval(box.lower[i], box.upper[i]);
+    }
+    bound->offset = offset.upper;
+    return bound;
+  }
 
  protected:
   void evaluate(const Points& z, Vector& level) const override {
     level = region_->level((scale_ * z).rowwise() + goal_.transpose()) / scale_;
   }
   Interval enclose(const Box& box) const override {
+    return region_->enclosure(image_of(box)) / Interval(scale_);
+  }
+
+ private:
+  Box image_of(const Box& box) const {
     Box image = box;
     for (Eigen::Index i = 0; i < dimension(); ++i) {
       image.lower[i] = (goal_[i] + Interval(scale_) * Interval(box.lower[i])).lower;
       image.upper[i] = (goal_[i] + Interval(scale_) * Interval(box.upper[i])).upper;
     }
-    return region_->enclosure(image) / Interval(scale_);
+    return image;
   }
 
- private:
   RegionPtr region_;
   Vector goal_;
   double scale_;

@@ -21,6 +21,9 @@ class InflatedDistance final : public Region {
   Eigen::Index dimension() const override { return region_->dimension(); }
   bool is_lipschitz() const override { return true; }
   std::string describe() const override { return described(*region_, radius_); }
+  std::optional<HalfspaceBound> bounding_halfspace(const Box& box, double level) const override {
+    return region_->bounding_halfspace(box, next_up(level + radius_));
+  }
 
  protected:
   void evaluate(const Points& x, Vector& level) const override {

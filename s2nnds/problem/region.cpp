@@ -28,6 +28,22 @@ Interval scaled_radius(const Box& box, const Vector& center, const Vector& scale
   return sqrt(sum);
 }
 
+// The half-space that touches, in the direction of the box, the ellipsoid with its semi-axes grown by the factor: it reaches
+// as far along `normal` as its centre does and the length of (normal_i semi_axes_i).
+std::optional<HalfspaceBound> touching(const Box& box, const Vector& center, const Vector& semi_axes,
+                                       const Interval& factor) {
+  const Vector outwards = (box.center() - center).cwiseQuotient(semi_axes.cwiseAbs2());
+  const Vector normal = outwards / outwards.norm();
+  Interval along = 0.0, squares = 0.0;
+  for (Eigen::Index i = 0; i < normal.size(); ++i) {
+    along += Interval(normal[i]) * Interval(center[i]);
+    squares += square(Interval(normal[i]) * Interval(semi_axes[i]));
+  }
+  const double offset = (along + factor * sqrt(squares)).upper;
+  if (!normal.allFinite() || !std::isfinite(offset)) return std::nullopt;
+  return HalfspaceBound{normal, offset};
+}
+
 class Empty final : public Region {
  public:
   explicit Empty(Eigen::Index dimension) : dimension_(dimension) {}
@@ -56,6 +72,9 @@ class Ball final : public Region {
   std::string describe() const override {
     return fmt::format("ball centre {} radius {}", text(center_), radius_);
   }
+  std::optional<HalfspaceBound> bounding_halfspace(const Box& box, double level) const override {
+    return touching(box, center_, Vector::Ones(center_.size()), Interval(radius_) + level);
+  }
 
  protected:
   void evaluate(const Points& x, Vector& level) const override {
@@ -83,6 +102,9 @@ class Ellipsoid final : public Region {
   bool is_lipschitz() const override { return true; }
   std::string describe() const override {
     return fmt::format("ellipsoid centre {} semi-axes {}", text(center_), text(semi_axes_));
+  }
+  std::optional<HalfspaceBound> bounding_halfspace(const Box& box, double level) const override {
+    return touching(box, center_, semi_axes_, Interval(1.0) + Interval(level) / Interval(scale_));
   }
 
  protected:
@@ -147,6 +169,11 @@ class Halfspace final : public Region {
   bool is_lipschitz() const override { return true; }
   std::string describe() const override {
     return fmt::format("halfspace {} . x <= {}", text(normal_), offset_);
+  }
+  std::optional<HalfspaceBound> bounding_halfspace(const Box&, double level) const override {
+    Interval squares = 0.0;
+    for (const double entry : normal_) squares += square(Interval(entry));
+    return HalfspaceBound{normal_, (offset_ + level * sqrt(squares)).upper};
   }
 
  protected:
@@ -220,6 +247,19 @@ class Combination final : public Region {
     std::vector<std::string> parts;
     for (const RegionPtr& region : regions_) parts.push_back(region->describe());
     return fmt::format("{} of [{}]", name(), fmt::join(parts, "; "));
+  }
+  // Of a union, only where one of them meets the box; of an intersection, that of any of them.
+  std::optional<HalfspaceBound> bounding_halfspace(const Box& box, double level) const override {
+    const Region* only = nullptr;
+    for (const RegionPtr& region : regions_) {
+      if (kind_ == Kind::intersect) {
+        if (auto bound = region->bounding_halfspace(box, level)) return bound;
+      } else if (!(region->enclosure(box).lower > level)) {
+        if (only != nullptr) return std::nullopt;
+        only = region.get();
+      }
+    }
+    return only != nullptr ? only->bounding_halfspace(box, level) : std::nullopt;
   }
 
  protected:

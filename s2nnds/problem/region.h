@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,12 @@ namespace s2nnds {
 
 // How a box lies to a region.
 enum class Location { inside, outside, unknown };
+
+// All x with normal . x <= offset.
+struct HalfspaceBound {
+  Vector normal;  // [n]
+  double offset;
+};
 
 // A closed set {x in R^n : level(x) <= 0}, in the coordinates in which it is written.
 class Region {
@@ -34,6 +41,9 @@ class Region {
   Location classify(const Box& box) const;
   // Holds the exact level of every point of the box [n]; undefined (NaN) when that cannot be said.
   Interval enclosure(const Box& box) const;
+  // A half-space that surely holds every point x of the box [n] with exact level(x) <= `level`, >= 0, and touches the set of
+  // these points near the box; nothing where no such one is known.
+  virtual std::optional<HalfspaceBound> bounding_halfspace(const Box&, double) const { return std::nullopt; }
   // Whether the exact level is 1-Lipschitz: |level(x) - level(y)| <= |x - y|. It is then at most the distance
   // from the set outside of it, and minus it at most the distance from the complement inside.
   virtual bool is_lipschitz() const = 0;
@@ -90,8 +100,8 @@ struct RegionOptions {
   // closed, .stl or .obj; point_cloud: .csv, .txt, .xyz, .ply, .pcd, .npy; occupancy_image: .yaml of a ROS map
   std::string file = {};
   double scale = 1.0;  // mesh, point_cloud: of the file's numbers, > 0: 0.001 for mm in a problem in m
-  std::string unknown = "occupied";    // occupancy_image: what unknown cells and all beyond the map count as
-  double sign = 1.0;                   // polynomial: inside where sign * p <= 0; 1 or -1
+  std::string unknown = "occupied";  // occupancy_image: what unknown cells and all beyond the map count as
+  double sign = 1.0;                 // polynomial: inside where sign * p <= 0; 1 or -1
   // union, intersection: one region or more; complement: one; extrusion: one in a dimension less, which holds whatever
   // the last coordinate is
   std::vector<RegionOptions> of = {};

@@ -9,5 +9,7 @@ namespace s2nnds {
 // band >= 0; NaN where nothing is known. By q <= q - l level + |l| band, which holds there for every number l: of the
 // right side's polynomial, much of what both change by across the box cancels.
 TileRow upper_within(const TileForm& q, const TileForm& level, double band, const BoxTile& tile);
+// The same wherever level(x) <= 0.
+TileRow upper_below(const TileForm& q, const TileForm& level, const BoxTile& tile);
 
 }  // namespace s2nnds

@@ -9,11 +9,18 @@
 #include "s2nnds/core/parallel.h"
 #include "s2nnds/core/stopwatch.h"
 #include "s2nnds/verification/standard_floating_point.h"
+#include "s2nnds/verification/taylor_kernels.h"
 
 namespace s2nnds {
 namespace {
 
-constexpr Eigen::Index batch_boxes = 128;
+// Boxes in a batch: of a small level few, so that it has some for every thread; of a large one many, since tiles that are
+// filled from what is left of a batch are not full. A function of the level alone, so that results are.
+Eigen::Index batch_size(Eigen::Index count) {
+  constexpr Eigen::Index least = 2 * tile_boxes, most = 128, share = 16;
+  return std::clamp(count / share / least * least, least, most);
+}
+
 constexpr std::int32_t kMostCuts = 6;          // before the next look
 constexpr std::int64_t kLeastToExpect = 4000;  // boxes examined before it is told how many are needed
 constexpr double kTreeBytes = 10.0;            // a box examined, of a tree and of what is needed to write it
@@ -102,14 +109,15 @@ class OpenBoxes {
 std::int64_t examine(Level& level, std::vector<std::unique_ptr<BoxExaminer>>& examiners,
                      double seconds_left) {
   const Stopwatch watch;
-  const Eigen::Index count = level.lower.rows(), batches = (count + batch_boxes - 1) / batch_boxes;
+  const Eigen::Index count = level.lower.rows(), size = batch_size(count),
+                     batches = (count + size - 1) / size;
   std::atomic<std::int64_t> examined = 0;
   std::atomic<bool> stop = false;
   parallel_for(batches, [&](Eigen::Index b, int worker) {
     if (stop) return;
     const StandardFloatingPoint mode;
-    const Eigen::Index first = b * batch_boxes;
-    BoxBatch batch = {level.lower,  level.upper,   first,           std::min(batch_boxes, count - first),
+    const Eigen::Index first = b * size;
+    BoxBatch batch = {level.lower,  level.upper,   first,           std::min(size, count - first),
                       level.status, level.witness, level.violation, level.carried,
                       level.cuts};
     examiners.at(static_cast<std::size_t>(worker))->examine(batch);

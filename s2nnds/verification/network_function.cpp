@@ -40,58 +40,11 @@ void add_product(const TileRow& weight, const TileRow* p, const TileRow* q, Eige
   }
 }
 
-// sum_k (p_k . dx) (dx' Q_k dx), the size of which is taken after the sum: terms of both signs cancel.
-class CubicForm {
- public:
-  explicit CubicForm(Eigen::Index n) : dimension_(n), terms_(n * triangle(n)), magnitudes_(terms_.size()) {}
-
-  // Adds weight (p . dx) (dx' Q dx) for p [n] and the upper triangle of Q.
-  void add(double weight, const TileRow* p, const TileRow* q) {
-    TileRow* term = terms_.data();
-    TileRow* size = magnitudes_.data();
-    for (Eigen::Index d = 0; d < dimension_; ++d) {
-      for (Eigen::Index at = 0; at < triangle(dimension_); ++at, ++term, ++size) {
-        const TileRow product = weight * p[d] * q[at];
-        *term += product;
-        *size += product.abs();
-      }
-    }
-    ++count_;
-  }
-
-  TileRow size(const BoxTile& tile) const {
-    // Monomials dx_d dx_e dx_g, e <= g, that differ in order alone are one.
-    TileRow sum;
-    for (Eigen::Index a = 0; a < dimension_; ++a) {
-      for (Eigen::Index b = a; b < dimension_; ++b) {
-        for (Eigen::Index c = b; c < dimension_; ++c) {
-          TileRow coefficient = at(terms_, a, b, c), magnitude = at(magnitudes_, a, b, c);
-          if (a != b) {
-            coefficient += at(terms_, b, a, c);
-            magnitude += at(magnitudes_, b, a, c);
-          }
-          if (b != c) {
-            coefficient += at(terms_, c, a, b);
-            magnitude += at(magnitudes_, c, a, b);
-          }
-          const double rounding = 4.0 * (count_ + 4.0) * unit_roundoff;
-          sum += (coefficient.abs() + rounding * magnitude) * tile.half[a] * tile.half[b] * tile.half[c];
-        }
-      }
-    }
-    return sum * slack;
-  }
-
- private:
-  // The term dx_d (Q_eg + Q_ge) dx_e dx_g / 2 of the symmetric Q, doubled for e != g, with e <= g.
-  TileRow at(const std::vector<TileRow>& rows, Eigen::Index d, Eigen::Index e, Eigen::Index g) const {
-    return (e == g ? 1.0 : 2.0) * rows[d * triangle(dimension_) + triangle_row(e, g, dimension_)];
-  }
-
-  Eigen::Index dimension_;
-  std::vector<TileRow> terms_, magnitudes_;  // [n, n (n + 1) / 2]
-  double count_ = 0.0;
-};
+// The adjoint value + 2 slope . dx.
+void set_adjoint(const TileRow& value, const TileRow* slope, Eigen::Index n, TileRow* adjoint) {
+  adjoint[0] = value;
+  for (Eigen::Index d = 0; d < n; ++d) adjoint[1 + d] = 2.0 * slope[d];
+}
 
 }  // namespace
 
@@ -102,9 +55,10 @@ struct NetworkFunction::Memory final : TaylorFunction::Workspace {
   };
   std::vector<LayerMemory> layers;
   std::vector<TileRow> a, a_remainder;        // outputs of the layer last swept
-  std::vector<TileRow> adjoint_a, adjoint_z;  // [width, 2]
+  std::vector<TileRow> adjoint_a, adjoint_z;  // [width, 2, 1 + n]
   std::vector<TileRow> offset_error;          // [m] of the head's subtraction
   std::vector<TileRow> magnitude_out;         // [streams]
+  std::vector<TileRow> factors;               // [2 n]
   Eigen::Index streams = 1;
 };
 
@@ -153,14 +107,15 @@ std::unique_ptr<TaylorFunction::Workspace> NetworkFunction::workspace() const {
     layer.z.resize(width * block);
     layer.z_remainder.resize(width * streams);
     layer.magnitude_in.resize(streams);
-    layer.expansion.resize(width * 5);
+    layer.expansion.resize(width * kept_rows);
     memory->layers.push_back(std::move(layer));
   }
   memory->a.resize(widest * block);
   memory->a_remainder.resize(widest * streams);
   memory->magnitude_out.resize(streams);
-  memory->adjoint_a.resize(widest * 2);
-  memory->adjoint_z.resize(widest * 2);
+  memory->factors.resize(static_cast<std::size_t>(2 * input_dimension()));
+  memory->adjoint_a.resize(widest * 2 * streams);
+  memory->adjoint_z.resize(widest * 2 * streams);
   memory->offset_error.resize(static_cast<std::size_t>(maps_.back().weight.rows()));
   return memory;
 }
@@ -238,20 +193,26 @@ void NetworkFunction::sweep(const BoxTile& tile, Memory& memory) const {
 
 void NetworkFunction::backward(const BoxTile& tile, Memory& memory, std::vector<TileRow>* direction,
                                TileForm& q) const {
+  const Eigen::Index affine = 1 + input_dimension();
   for (std::size_t k = maps_.size(); k-- > 0;) {
     const PullBackTile sweep = {.adjoint_a = data(memory.adjoint_a),
                                 .adjoint_z = data(memory.adjoint_z),
                                 .hessian = data(q.hessian),
-                                .hessian_magnitude = q.magnitude.data(),
-                                .remainder = q.remainder.data()};
+                                .cubic = data(q.cubic),
+                                .magnitude = q.magnitude.data(),
+                                .remainder = q.remainder.data(),
+                                .scratch = data(memory.factors)};
     taylor_kernels().pull_back(layer_tile(tile, k, memory), sweep);
     if (k > 0 || direction != nullptr) {
-      multiply_transposed(maps_[k].weight, memory.adjoint_z, memory.streams, memory.adjoint_a);
+      multiply_transposed(maps_[k].weight, memory.adjoint_z, memory.streams * affine, memory.adjoint_a);
     }
   }
   q.operations += operations_;
   if (direction == nullptr) return;
-  for (Eigen::Index d = 0; d < input_dimension(); ++d) (*direction)[d] += memory.adjoint_a[2 * d + 1];
+  for (Eigen::Index d = 0; d < input_dimension(); ++d) {
+    for (Eigen::Index c = 0; c < affine; ++c)
+      (*direction)[d * affine + c] += memory.adjoint_a[(2 * d + 1) * affine + c];
+  }
 }
 
 // N(x) - N(0) in the value stream; the error of the subtraction, N(0)'s included, goes to offset_error.
@@ -264,6 +225,12 @@ void NetworkFunction::subtract_offset(Memory& memory) const {
     if (stack_.head != Head::plain) value -= offset_(i);
     memory.a_remainder[i * memory.streams] += memory.offset_error[i];
   }
+}
+
+// All adjoints of the outputs 0.
+void NetworkFunction::clear_adjoint(Memory& memory) const {
+  const Eigen::Index rows = maps_.back().weight.rows() * memory.streams * (1 + input_dimension());
+  std::fill_n(memory.adjoint_a.begin(), rows, TileRow());
 }
 
 void NetworkFunction::models(const BoxTile& tile, Workspace& workspace, TileModels& y) const {
@@ -353,9 +320,11 @@ void NetworkFunction::norm_gradient(const BoxTile& tile, const Memory& memory, E
 void NetworkFunction::add_deviations(const BoxTile& tile, Workspace& workspace,
                                      const std::vector<TileRow>& adjoint, TileForm& q) const {
   Memory& memory = static_cast<Memory&>(workspace);
-  for (std::size_t i = 0; i < adjoint.size(); ++i) {
-    memory.adjoint_a[i] = adjoint[i];
-    q.remainder += adjoint[i].abs() * memory.offset_error[i];
+  const Eigen::Index affine = 1 + input_dimension();
+  std::copy(adjoint.begin(), adjoint.end(), memory.adjoint_a.begin());
+  for (Eigen::Index i = 0; i < output_dimension(); ++i) {
+    const TileRow* slope = &adjoint[static_cast<std::size_t>(i * affine + 1)];
+    q.remainder += (slope[-1].abs() + linear_size(slope, tile)) * memory.offset_error[i];
   }
   backward(tile, memory, nullptr, q);
 }
@@ -367,28 +336,25 @@ void NetworkFunction::add_value(const BoxTile& tile, Workspace& workspace, TileF
   if (stack_.head == Head::squared_norm) return add_norm(tile, memory, q);
   q.add_line(memory.a[0], &memory.a[1], tile);
   q.remainder += memory.offset_error[0];
+  clear_adjoint(memory);
   memory.adjoint_a[0].setOnes();
   backward(tile, memory, nullptr, q);
 }
 
-// |u|^2 + quadratic |x|^2, u = u0 + slope . dx + du: 2 u0 du is left to the backward sweep, and of the rest
-// 2 (slope . dx) du the quadratic part of du is summed over all outputs before its size is taken.
+// |u|^2 + quadratic |x|^2, u = u0 + slope . dx + du: 2 (u0 + slope . dx) du is left to the backward sweep.
 void NetworkFunction::add_norm(const BoxTile& tile, Memory& memory, TileForm& q) const {
   const Eigen::Index n = input_dimension();
-  CubicForm cubic(n);
   for (Eigen::Index i = 0; i < maps_.back().weight.rows(); ++i) {
-    const TileRow *slope = &memory.a[i * columns() + 1], *hessian = slope + n;
+    const TileRow* slope = &memory.a[i * columns() + 1];
     const TileRow u = memory.a[i * columns()], r = memory.a_remainder[i];
-    const TileRow spread = linear_size(slope, tile), deviation = quadratic_size(hessian, tile) + r;
+    const TileRow spread = linear_size(slope, tile), deviation = quadratic_size(slope + n, tile) + r;
     for (Eigen::Index d = 0; d < n; ++d) q.gradient[d] += 2.0 * u * slope[d];
     q.value += u.square();
     q.magnitude += (u.abs() + spread).square();
     add_product(TileRow(TileRow::Ones()), slope, slope, n, q);
-    cubic.add(1.0, slope, hessian);
-    q.remainder += 2.0 * spread * r + deviation.square() + 2.0 * u.abs() * memory.offset_error[i];
-    memory.adjoint_a[i] = 2.0 * u;
+    q.remainder += deviation.square() + 2.0 * (u.abs() + spread) * memory.offset_error[i];
+    set_adjoint(2.0 * u, slope, n, &memory.adjoint_a[i * (1 + n)]);
   }
-  q.remainder += cubic.size(tile);
   std::size_t at = 0;
   for (Eigen::Index d = 0; d < n; ++d) {
     q.value += stack_.quadratic * tile.center[d].square();
@@ -409,8 +375,8 @@ void NetworkFunction::add_derivative(const BoxTile& tile, Workspace& workspace, 
   if (stack_.head == Head::squared_norm) return add_norm_rate(tile, direction, memory, adjoint, q);
   const TileRow* rate = &memory.a[columns()];
   q.add_line(rate[0], rate + 1, tile);
-  memory.adjoint_a[0].setZero();
-  memory.adjoint_a[1].setOnes();
+  clear_adjoint(memory);
+  memory.adjoint_a[1 + input_dimension()].setOnes();
   backward(tile, memory, &adjoint, q);
 }
 
@@ -419,7 +385,6 @@ void NetworkFunction::add_norm_rate(const BoxTile& tile, const TileModels& direc
                                     std::vector<TileRow>& adjoint, TileForm& q) const {
   const Eigen::Index n = input_dimension(), block = 2 * columns();
   const double weight = 2.0 * stack_.quadratic;
-  CubicForm cubic(n);
   for (Eigen::Index i = 0; i < maps_.back().weight.rows(); ++i) {
     const TileRow *slope = &memory.a[i * block + 1], *rate_slope = slope + columns();
     const TileRow u = memory.a[i * block], rate = memory.a[i * block + columns()];
@@ -431,17 +396,13 @@ void NetworkFunction::add_norm_rate(const BoxTile& tile, const TileModels& direc
     q.value += 2.0 * u * rate;
     q.magnitude += 2.0 * (u.abs() + spread) * (rate.abs() + rate_spread);
     add_product(TileRow(TileRow::Constant(2.0)), slope, rate_slope, n, q);
-    cubic.add(1.0, slope, rate_slope + n);
-    cubic.add(1.0, rate_slope, slope + n);
-    q.remainder += 2.0 * (spread * rate_r + r * rate_spread + deviation * rate_deviation +
-                          rate.abs() * memory.offset_error[i]);
-    memory.adjoint_a[2 * i] = 2.0 * rate;
-    memory.adjoint_a[2 * i + 1] = 2.0 * u;
+    q.remainder += 2.0 * (deviation * rate_deviation + (rate.abs() + rate_spread) * memory.offset_error[i]);
+    set_adjoint(2.0 * rate, rate_slope, n, &memory.adjoint_a[2 * i * (1 + n)]);
+    set_adjoint(2.0 * u, slope, n, &memory.adjoint_a[(2 * i + 1) * (1 + n)]);
   }
-  q.remainder += cubic.size(tile);
   for (Eigen::Index i = 0; i < n; ++i) {
     const TileRow &x = tile.center[i], &h = tile.half[i], &f = direction.value(i);
-    const TileRow r = direction.deviation(i, tile), spread = direction.spread(i, tile);
+    const TileRow spread = direction.spread(i, tile);
     q.value += weight * x * f;
     q.magnitude += weight * (x.abs() + h) * (f.abs() + spread);
     q.gradient[i] += weight * f;
@@ -453,8 +414,9 @@ void NetworkFunction::add_norm_rate(const BoxTile& tile, const TileModels& direc
         if (e == i) q.hessian[at] += weight * direction.slope(i)[d];
       }
     }
-    q.remainder += weight * (h + 8.0 * unit_roundoff * x.abs()) * r;
-    adjoint[i] += weight * x;
+    q.remainder += 8.0 * unit_roundoff * weight * (x.abs() + h) * direction.deviation(i, tile);
+    adjoint[i * (1 + n)] += weight * x;
+    adjoint[i * (1 + n) + 1 + i] += weight;
   }
   backward(tile, memory, &adjoint, q);
 }
@@ -480,7 +442,7 @@ IntervalMatrix NetworkFunction::jacobian(double half) const {
   return result;
 }
 
-// The most that an activation's derivatives, up to the fourth, multiply by, with the roundings of these sums.
+// The most that an activation's derivatives, up to the fifth, multiply by, with the roundings of these sums.
 constexpr double activation_growth = 8.0;
 
 double NetworkFunction::growth(double reach) const {

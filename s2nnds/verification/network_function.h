@@ -58,6 +58,7 @@ class NetworkFunction final : public TaylorFunction {
   // The Jacobian of the layers' output N over the cube, [m, n].
   IntervalMatrix jacobian(double half) const;
   void subtract_offset(Memory& memory) const;
+  void clear_adjoint(Memory& memory) const;
   void norm_gradient(const BoxTile& tile, const Memory& memory, Eigen::Index axis,
                      TileModels& gradient) const;
   void add_norm(const BoxTile& tile, Memory& memory, TileForm& q) const;

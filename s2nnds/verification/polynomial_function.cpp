@@ -167,8 +167,10 @@ void PolynomialFunction::add_deviations(const BoxTile& tile, Workspace& workspac
   Memory& memory = static_cast<Memory&>(workspace);
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const TileForm& form = memory.outputs[i];
-    q.add_curvature(adjoint[i], form.hessian, tile);
-    q.remainder += adjoint[i].abs() * form.remainder * polynomial_slack;
+    const TileRow* weight = &adjoint[i * static_cast<std::size_t>(1 + dimension_)];
+    q.add_curvature(weight[0], form.hessian, tile);
+    q.add_cubic(weight + 1, form.hessian.data(), tile);
+    q.remainder += (weight[0].abs() + linear_size(weight + 1, tile)) * form.remainder * polynomial_slack;
   }
   q.operations += 4.0 * static_cast<double>(outputs_.size());
 }
@@ -182,7 +184,7 @@ void PolynomialFunction::add_value(const BoxTile& tile, Workspace& workspace, Ti
   q.add_curvature(TileRow::Ones(), form.hessian, tile);
 }
 
-// sum_i g_i d_i with g_i = dy/dx_i to second order and d_i = model_i + deviation_i; g_i(c) deviation_i is
+// sum_i g_i d_i with g_i = dy/dx_i to second order and d_i = model_i + deviation_i; (g_i(c) + its slope . dx) deviation_i is
 // left to the caller.
 void PolynomialFunction::add_derivative(const BoxTile& tile, Workspace& workspace,
                                         const TileModels& direction, std::vector<TileRow>& adjoint,
@@ -207,9 +209,10 @@ void PolynomialFunction::add_derivative(const BoxTile& tile, Workspace& workspac
     }
     // Where the diagonal's 1/2 is missing the magnitude is only larger.
     q.magnitude += (g.value.abs() + 2.0 * linear + 2.0 * quadratic) * (value.abs() + 2.0 * spread);
-    q.remainder +=
-        (linear * r + quadratic * (spread + r) + g.remainder * (value.abs() + spread + r)) * polynomial_slack;
-    adjoint[i] = g.value;
+    q.add_cubic(slope, g.hessian.data(), tile);
+    q.remainder += (quadratic * r + g.remainder * (value.abs() + spread + r)) * polynomial_slack;
+    adjoint[i * (1 + dimension_)] = g.value;
+    std::copy(g.gradient.begin(), g.gradient.end(), &adjoint[i * (1 + dimension_) + 1]);
   }
   q.operations += 8.0 * static_cast<double>(dimension_);
 }

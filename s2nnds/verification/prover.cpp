@@ -24,10 +24,9 @@ constexpr double largest_goal_cube = 0.08;
 // Where no neighbourhood of the goal is proved, boxes this close to it are left open.
 constexpr double hopeless_radius = 1e-8;
 
-// From so many dimensions on, boxes are too many to look at more than is needed: only where the condition asks for something,
-// within the band or the set. And where a proof found violations, what it left open besides is most of the workspace, of which
-// points are worth nothing. In the plane boxes are few, and points of all that is open go back into training.
-constexpr Eigen::Index kSpareDimensions = 3;
+// From so many dimensions on, what a proof that found violations left open besides is most of the workspace: points of it are
+// worth nothing. In the plane points of all that is open go back into training.
+constexpr Eigen::Index kWideDimensions = 3;
 
 // In more dimensions than this, no proof is gone on with that seems to need more boxes than are allowed.
 constexpr Eigen::Index kPatientDimensions = 4;
@@ -62,24 +61,23 @@ class ConditionExaminer final : public BoxExaminer {
                  statement.condition == Condition::unsafe || statement.condition == Condition::containment),
         along_field_(statement.condition == Condition::lyapunov_decrease ||
                      statement.condition == Condition::barrier_decrease),
-        spares_(statement.problem.dimension() >= kSpareDimensions),
         enclosure_(is_lyapunov() ? *statement.functions.V : *statement.functions.B,
                    along_field_ ? statement.functions.f.get() : nullptr),
         tile_(statement.problem.dimension()) {}
 
   void examine(BoxBatch& batch) override {
     std::vector<Eigen::Index> rows = where_it_applies(batch);
-    if (statement_.condition == Condition::barrier_decrease) rows = within_band(batch, rows);
+    if (is_in_band()) rows = within_band(batch, rows);
     std::vector<Candidate> candidates;
     for_tiles(batch, rows, [&](const std::vector<Eigen::Index>& tile_rows) {
       const TileForm form = evaluate();
       const TileRow worst = upper_residual(form), best = lower_residual(form);
-      std::optional<TileRow> in_band;
+      std::optional<TileRow> where_asked;
       const auto holds_in = [&](Eigen::Index lane) {
         if (holds(worst(lane))) return true;
-        if (!spares_ || statement_.condition != Condition::barrier_decrease) return false;
-        if (!in_band) in_band = upper_within(form, enclosure_.value(tile_), statement_.level_band, tile_);
-        return holds((*in_band)(lane));
+        if (!is_in_band() && set() == nullptr) return false;
+        if (!where_asked) where_asked = upper_where_asked(form, tile_rows, batch.first);
+        return holds((*where_asked)(lane));
       };
       for (std::size_t lane = 0; lane < tile_rows.size(); ++lane) {
         const Eigen::Index row = tile_rows[lane];
@@ -142,15 +140,18 @@ class ConditionExaminer final : public BoxExaminer {
     return Location::unknown;
   }
 
-  bool is_of_a_set() const {
-    return statement_.condition == Condition::initial || statement_.condition == Condition::unsafe ||
-           statement_.condition == Condition::containment;
+  bool is_in_band() const { return statement_.condition == Condition::barrier_decrease; }
+  // What B is to be positive or negative on, where a half-space may hold it; else null.
+  const Region* set() const {
+    if (statement_.condition == Condition::initial) return statement_.problem.initial.get();
+    return statement_.condition == Condition::unsafe ? statement_.problem.unsafe.get() : nullptr;
   }
+  bool asks_of_a_part() const { return set() != nullptr || statement_.condition == Condition::containment; }
 
   // A box that holds all points of this one at which the condition asks for something: from each end of each side, as much
   // as surely lies outside of the set is cut off, to a 64th of the side.
   Box asked_part(Box box) const {
-    if (!spares_ || !is_of_a_set() || location(box) != Location::unknown) return box;
+    if (!asks_of_a_part() || location(box) != Location::unknown) return box;
     for (Eigen::Index d = 0; d < box.dimension(); ++d) {
       const double width = box.upper[d] - box.lower[d];
       for (Vector Box::*end : {&Box::lower, &Box::upper}) {
@@ -184,8 +185,11 @@ class ConditionExaminer final : public BoxExaminer {
     return rows;
   }
 
+  // The rows that the band may meet. Remembers B on them, for barrier_of.
   std::vector<Eigen::Index> within_band(BoxBatch& batch, const std::vector<Eigen::Index>& rows) {
     std::vector<Eigen::Index> kept;
+    barriers_.clear();
+    places_.assign(static_cast<std::size_t>(batch.count), {});
     for_tiles(batch, rows, [&](const std::vector<Eigen::Index>& tile_rows) {
       const TileForm& barrier = enclosure_.value(tile_);
       const TileRow low = barrier.lower(tile_), high = barrier.upper(tile_);
@@ -195,10 +199,44 @@ class ConditionExaminer final : public BoxExaminer {
           batch.status[tile_rows[lane]] = BoxStatus::excluded;
         } else {
           kept.push_back(tile_rows[lane]);
+          places_[static_cast<std::size_t>(tile_rows[lane] - batch.first)] = {barriers_.size(), at};
         }
       }
+      barriers_.push_back(barrier);
     });
     return kept;
+  }
+  // Above the residual where the condition asks for something.
+  TileRow upper_where_asked(const TileForm& form, const std::vector<Eigen::Index>& tile_rows,
+                            Eigen::Index first) const {
+    if (is_in_band()) return upper_within(form, barrier_of(tile_rows, first), statement_.level_band, tile_);
+    return upper_below(negated_ ? form.negative() : form, halfspaces(), tile_);
+  }
+  // normal . x - offset <= 0 for the points of the set in each box; 0 where no half-space is known.
+  TileForm halfspaces() const {
+    TileForm level(tile_.dimension());
+    for (Eigen::Index lane = 0; lane < tile_boxes; ++lane) {
+      const Box& box = asked_[std::min(static_cast<std::size_t>(lane), asked_.size() - 1)];
+      const auto bound = set()->bounding_halfspace(box, 0.0);
+      if (!bound) continue;
+      level.value(lane) = -bound->offset;
+      level.magnitude(lane) = std::abs(bound->offset);
+      for (Eigen::Index d = 0; d < box.dimension(); ++d) {
+        level.gradient[d](lane) = bound->normal[d];
+        level.value(lane) += bound->normal[d] * tile_.center[d](lane);
+        level.magnitude(lane) += std::abs(bound->normal[d] * tile_.center[d](lane));
+      }
+    }
+    return level;
+  }
+  TileForm barrier_of(const std::vector<Eigen::Index>& tile_rows, Eigen::Index first) const {
+    TileForm barrier(tile_.dimension());
+    for (Eigen::Index lane = 0; lane < tile_boxes; ++lane) {
+      const auto filled = std::min(static_cast<std::size_t>(lane), tile_rows.size() - 1);
+      const Place& place = places_[static_cast<std::size_t>(tile_rows[filled] - first)];
+      barrier.take(barriers_[place.tile], place.lane, lane);
+    }
+    return barrier;
   }
 
   // Puts the rows into tiles and calls back for each one.
@@ -207,11 +245,13 @@ class ConditionExaminer final : public BoxExaminer {
     for (std::size_t first = 0; first < rows.size(); first += tile_boxes) {
       const std::size_t last = std::min(rows.size(), first + static_cast<std::size_t>(tile_boxes));
       const std::vector<Eigen::Index> tile_rows(rows.begin() + first, rows.begin() + last);
+      asked_.clear();
       Points lower(tile_rows.size(), tile_.dimension()), upper = lower;
       for (std::size_t lane = 0; lane < tile_rows.size(); ++lane) {
         const Box box = asked_part(box_of(batch.lower, batch.upper, tile_rows[lane]));
         lower.row(lane) = box.lower.transpose();
         upper.row(lane) = box.upper.transpose();
+        asked_.push_back(box);
       }
       tile_.assign(lower, upper, 0, lower.rows());
       visit(tile_rows);
@@ -240,7 +280,7 @@ class ConditionExaminer final : public BoxExaminer {
       for (std::size_t i = 0; i < count; ++i) points.row(i) = candidates[first + i].point.transpose();
       tile_.assign(points, points, 0, points.rows());
       TileRow size;
-      if (statement_.condition == Condition::barrier_decrease) {
+      if (is_in_band()) {
         const TileForm& barrier = enclosure_.value(tile_);
         size = barrier.upper(tile_).max(-barrier.lower(tile_));
       }
@@ -261,8 +301,16 @@ class ConditionExaminer final : public BoxExaminer {
     }
   }
 
+  struct Place {
+    std::size_t tile;
+    Eigen::Index lane;
+  };
+
   Statement statement_;
-  bool negated_, along_field_, spares_;
+  std::vector<Box> asked_;          // the boxes in tile_
+  std::vector<TileForm> barriers_;  // of a batch, tile by tile
+  std::vector<Place> places_;       // in them, of each row of the batch
+  bool negated_, along_field_;
   ScalarEnclosure enclosure_;
   BoxTile tile_;
 };
@@ -425,7 +473,7 @@ Points ConditionProof::samples(std::size_t count, RandomStream& random) const {
   Points points(count, open_lower.cols());
   points.topRows(certain) = witnesses.topRows(certain);
   // The boxes of the witnesses come first.
-  const bool only_refuted = witnesses.rows() > 0 && points.cols() >= kSpareDimensions;
+  const bool only_refuted = witnesses.rows() > 0 && points.cols() >= kWideDimensions;
   const Eigen::Index boxes = only_refuted ? witnesses.rows() : open_lower.rows();
   points.bottomRows(points.rows() - certain) =
       points_in_boxes(open_lower.topRows(boxes), open_upper.topRows(boxes),

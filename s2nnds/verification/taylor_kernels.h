@@ -15,17 +15,25 @@ inline constexpr std::ptrdiff_t tile_boxes = 8;
 //   |sigma(z) - value - first (z - z0) - second (z - z0)^2 / 2| <= value_error
 //   |sigma(z) - value - first (z - z0)| <= linear_error
 //   |sigma'(z) - first - second (z - z0) - third (z - z0)^2 / 2| <= first_error
+//   |sigma(z) - value - first (z - z0) - second (z - z0)^2 / 2 - third (z - z0)^3 / 6| <= value_rest
+//   |sigma'(z) - first - second (z - z0) - third (z - z0)^2 / 2 - fourth (z - z0)^3 / 6| <= first_rest
 // All roundings are covered, those of the coefficients included. At a jump of sigma'' (elu at 0) the errors
 // are of lower order in the radius. A coefficient is not a number where z0 is not.
 struct ActivationExpansion {
   double value[tile_boxes],        // sigma at z0, rounded
       first[tile_boxes],           // its first derivative
       second[tile_boxes],          // its second derivative
-      third[tile_boxes];           // its third derivative
+      third[tile_boxes],           // its third derivative
+      fourth[tile_boxes];          // its fourth derivative, or 0 where that gives the smaller first_rest
   double value_error[tile_boxes],  // bound of the first line above
       linear_error[tile_boxes],    // bound of the second line
-      first_error[tile_boxes];     // bound of the third line
+      first_error[tile_boxes],     // bound of the third line
+      value_rest[tile_boxes],      // bound of the fourth line
+      first_rest[tile_boxes];      // bound of the fifth line
 };
+
+// What a backward sweep keeps of an expansion: first, second, third, fourth, value_rest, first_rest.
+inline constexpr std::ptrdiff_t kept_rows = 6;
 
 // One layer of a network on a tile of boxes |x - c| <= half. A stream is a quantity that the network carries
 // (the value; the value and its derivative along a direction); its second-order model is value, n slopes and
@@ -43,23 +51,25 @@ struct LayerTile {
   const double* magnitude_in = nullptr;  // [streams, T] largest size of the model among the inputs
   double* magnitude_out = nullptr;       // [streams, T] the same of the outputs
   double* z = nullptr;                   // [width, streams C, T] models before the activation
-  // [width, streams, T] in: |W| r; out: the deviation from the first-order model, quadratic terms, r and all
-  // roundings of the affine map together
+  // [width, streams, T] in: |W| r; out: the remainder of z, r and all roundings of the affine map together
   double* z_remainder = nullptr;
   double* a = nullptr;            // [width, streams C, T] models after the activation
   double* a_remainder = nullptr;  // [width, streams, T] their remainders
-  double* expansion = nullptr;    // [width, 5, T] first, second, third, value_error, first_error
+  double* expansion = nullptr;    // [width, kept_rows, T]
 };
 
-// The backward sweep through a layer: sum_k adjoint_k d_k, d_k the deviation of the k-th output from its
-// first-order model, is expanded to second order in x - c with what it leaves added to `remainder`, and
-// passed on to the layer's inputs. For one derivative at most.
+// The backward sweep through a layer: sum_k adjoint_k d_k, d_k the deviation of the k-th output from its first-order model
+// and adjoint_k an affine function of x - c, is expanded to third order in x - c with what it leaves added to `remainder`,
+// and passed on to the layer's inputs. For one derivative at most.
 struct PullBackTile {
-  const double* adjoint_a = nullptr;    // [width, streams, T] of the values after the activation
-  double* adjoint_z = nullptr;          // [width, streams, T] out: of those before it
-  double* hessian = nullptr;            // [n (n + 1) / 2, T] row by row of the upper triangle, added to
-  double* hessian_magnitude = nullptr;  // [T] sum of all |terms| half half, for the rounding of the Hessian
-  double* remainder = nullptr;          // [T] added to
+  const double* adjoint_a =
+      nullptr;  // [width, streams, 1 + n, T] of the values after the activation: at c, and slopes
+  double* adjoint_z = nullptr;  // [width, streams, 1 + n, T] out: of those before it
+  double* hessian = nullptr;    // [n (n + 1) / 2, T] row by row of the upper triangle, added to
+  double* cubic = nullptr;      // [n, n (n + 1) / 2, T] of dx_d (dx_e dx_g), e <= g, added to
+  double* magnitude = nullptr;  // [T] sum of the sizes of all terms of these, for their rounding
+  double* remainder = nullptr;  // [T] added to
+  double* scratch = nullptr;    // [2 n, T]
 };
 
 // The innermost loops of the proof, compiled once for each instruction set.

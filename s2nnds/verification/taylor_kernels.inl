@@ -28,8 +28,8 @@ inline Lanes smaller(Lanes x, Lanes y) { return x < y ? x : y; }
 inline Lanes larger(Lanes x, Lanes y) { return x > y ? x : y; }
 inline Lanes magnitude(Lanes x) { return x < 0.0 ? -x : x; }
 
-// The coefficients' own errors: every value, first, second, third below is within this of the exact one,
-// times max(1, |z0|) where z0 enters as a factor.
+// The coefficients' own errors: every value, first, second, third below is within this of the exact one, and every fourth
+// within four times this, times max(1, |z0|) where z0 enters as a factor.
 constexpr double coefficient_error = 0x1p-43;
 
 // e^x for x <= 0, relative error below 2^-49 for x >= -708; below that e^-708, which is wrong by less than
@@ -42,14 +42,23 @@ inline Lanes exp_of_negative(Lanes x) {
 }
 
 struct Expansion {
-  Lanes value, first, second, third, value_error, linear_error, first_error;
+  Lanes value, first, second, third, fourth, value_error, linear_error, first_error, value_rest, first_rest;
+
+  // Without terms beyond second order: the rests are the errors.
+  void leave(Words where) {
+    third = where ? all(0.0) : third;
+    fourth = where ? all(0.0) : fourth;
+    value_rest = where ? value_error : value_rest;
+    first_rest = where ? first_error : first_rest;
+  }
 };
 
-// Errors from bounds on |sigma''|, |sigma'''|, |sigma''''| over the range (Taylor's theorem with Lagrange's
-// remainder) and, anywhere, on |sigma' - first|, |sigma'' - second|, |sigma''' - third|.
+// Errors from bounds on |sigma''|, ..., |sigma'''''| over the range (Taylor's theorem with Lagrange's remainder) and,
+// anywhere, on |sigma' - first|, |sigma'' - second|, |sigma''' - third|.
 inline void remainders(Lanes radius, Lanes scale, Lanes second_bound, Lanes third_bound, Lanes fourth_bound,
-                       double first_spread, double second_spread, double third_spread, Expansion& e) {
-  const Lanes square = radius * radius;
+                       Lanes fifth_bound, double first_spread, double second_spread, double third_spread,
+                       Expansion& e) {
+  const Lanes square = radius * radius, cube = square * radius;
   const Lanes rounding = coefficient_error * scale * (1.0 + radius + square);
   e.value_error =
       smaller(third_bound * radius * (1.0 / 6.0), all(0.5 * second_spread)) * square * slack + rounding;
@@ -58,31 +67,42 @@ inline void remainders(Lanes radius, Lanes scale, Lanes second_bound, Lanes thir
       rounding;
   e.first_error =
       smaller(fourth_bound * radius * (1.0 / 6.0), all(0.5 * third_spread)) * square * slack + rounding;
+  const Lanes rest_rounding = rounding + coefficient_error * scale * cube;
+  e.value_rest =
+      smaller(fourth_bound * radius * (1.0 / 24.0), all(third_spread / 6.0)) * cube * slack + rest_rounding;
+  const Lanes first_rest = fifth_bound * square * square * (slack / 24.0) + rest_rounding;
+  const Words fine = first_rest < e.first_error;
+  e.fourth = fine ? e.fourth : all(0.0);
+  e.first_rest = fine ? first_rest : e.first_error;
   // On wide ranges a plain line, and a plain number for sigma', are better.
   const Lanes line_rounding = coefficient_error * scale * (1.0 + radius);
   const Words wide = (radius > 0.5) & (first_spread * radius < e.linear_error);
   e.second = wide ? all(0.0) : e.second;
-  e.third = wide ? all(0.0) : e.third;
   e.linear_error = wide ? first_spread * radius * slack + line_rounding : e.linear_error;
   e.value_error = wide ? e.linear_error : e.value_error;
   e.first_error = wide ? first_spread + line_rounding : e.first_error;
+  e.leave(wide);
 }
 
 inline bool any_above(Lanes x, double limit) {
-  bool above = false;
-  for (int i = 0; i < lanes<double>; ++i) above = above || x[i] > limit;
-  return above;
+  Words above = x > limit;
+  for (int step = lanes<double> / 2; step > 0; step /= 2) {
+    Words partner = above;
+    for (int i = 0; i < lanes<double>; ++i) partner[i] = i ^ step;
+    above |= __builtin_shuffle(above, partner);
+  }
+  return above[0] != 0;
 }
 
 // The range of |tanh| over |z - z0| <= radius, from t0 = tanh(z0) within 2^-45: by the addition theorem
-// tanh(z0 +- d) lies within (t0 +- d) / (1 +- t0 d) for tanh(d) <= min(d, 1).
+// tanh(z0 +- d) lies within (t0 +- d) / (1 +- t0 d) for tanh(d) <= d, brought to the denominator 1 - (t0 d)^2 > 0.19.
 inline void tanh_range(Lanes t0, Lanes radius, Lanes& low, Lanes& high) {
-  const Lanes t = magnitude(t0), d = smaller(radius, all(1.0));
-  const Lanes up = (t + d) / (1.0 + t * d) + 0x1p-40;
-  high = smaller(up, all(1.0));
+  const Lanes t = magnitude(t0), d = smaller(radius, all(0.9)), product = t * d;
+  const Lanes inverse = 1.0 / (1.0 - product * product);
+  const Words narrow = radius <= 0.9;
+  high = narrow ? smaller((t + d) * (1.0 - product) * inverse + 0x1p-40, all(1.0)) : all(1.0);
   // (t - d) / (1 - t d) falls with d, and magnifies the error of t0 by at most (1 + d) / (1 - d).
-  const Lanes down = (t - d) / (1.0 - smaller(t * d, all(0.9))) - 0x1p-40;
-  low = d <= 0.9 ? larger(down, all(0.0)) : all(0.0);
+  low = narrow ? larger((t - d) * (1.0 + product) * inverse - 0x1p-40, all(0.0)) : all(0.0);
 }
 
 // max of 2 t (1 - t^2) = |tanh''| over t in [low, high] within [0, 1]; its peak is at 1/sqrt(3).
@@ -114,6 +134,9 @@ inline Lanes tanh_fourth_bound(Lanes low, Lanes high) {
   return larger(larger(at_low, at_high), larger(first_peak, second_peak)) + 0x1p-46;
 }
 
+// Above |(1 - t^2) (16 - 120 t^2 (1 - t^2))| = |tanh'''''|, of which the second factor lies in [-14, 16].
+inline Lanes tanh_fifth_bound(Lanes low) { return 16.0 * (1.0 - low * low) + 0x1p-40; }
+
 // tanh(z) with an absolute error below 2^-46, and e = exp(-2 |z|).
 inline Lanes tanh_of(Lanes z) {
   const Lanes e = exp_of_negative(-2.0 * magnitude(z));
@@ -131,10 +154,10 @@ inline void flatten_tanh(Lanes z0, Lanes radius, Expansion& e) {
   e.value = flat ? 0.5 * (low + high) : e.value;
   e.first = flat ? all(0.0) : e.first;
   e.second = flat ? all(0.0) : e.second;
-  e.third = flat ? all(0.0) : e.third;
   e.linear_error = flat ? reach : e.linear_error;
   e.value_error = flat ? reach : e.value_error;
   e.first_error = flat ? ((low < 0.0) & (high > 0.0) ? all(1.0) : steepest) : e.first_error;
+  e.leave(flat);
 }
 
 inline void expand_tanh(Lanes z0, Lanes radius, Expansion& e) {
@@ -143,17 +166,18 @@ inline void expand_tanh(Lanes z0, Lanes radius, Expansion& e) {
   e.first = 1.0 - w;
   e.second = -2.0 * t * e.first;
   e.third = e.first * (6.0 * w - 2.0);
+  e.fourth = t * e.first * (16.0 - 24.0 * w);
   Lanes low, high;
   tanh_range(t, radius, low, high);
   remainders(radius, all(1.0), tanh_second_bound(low, high), tanh_third_bound(low, high),
-             tanh_fourth_bound(low, high), 1.0, 1.5397, 2.6667, e);
+             tanh_fourth_bound(low, high), tanh_fifth_bound(low), 1.0, 1.5397, 2.6667, e);
   if (any_above(radius, 0.75)) flatten_tanh(z0, radius, e);
 }
 
 // s = 1 / (1 + exp(-z)) = (1 + tanh(z / 2)) / 2, so that s'' and its derivatives are tanh's, scaled.
 struct Logistic {
-  Lanes s, first, second, third, fourth;         // s, s', ... at z0
-  Lanes first_bound, second_bound, third_bound;  // of |s'|, |s''|, |s'''| over the range
+  Lanes s, first, second, third, fourth;                       // s, s', ... at z0
+  Lanes first_bound, second_bound, third_bound, fourth_bound;  // of |s'|, |s''|, ... over the range
 };
 inline Logistic logistic(Lanes z0, Lanes radius) {
   Logistic l;
@@ -168,6 +192,7 @@ inline Logistic logistic(Lanes z0, Lanes radius) {
   l.first_bound = 0.25 * (1.0 - low * low) + 0x1p-40;
   l.second_bound = 0.125 * tanh_second_bound(low, high);
   l.third_bound = 0.0625 * tanh_third_bound(low, high);
+  l.fourth_bound = 0.03125 * tanh_fourth_bound(low, high);
   return l;
 }
 
@@ -185,8 +210,9 @@ inline void expand_softplus(Lanes z0, Lanes radius, Expansion& e) {
   e.first = l.s;
   e.second = l.first;
   e.third = l.second;
-  remainders(radius, 1.0 + magnitude(z0), l.first_bound, l.second_bound, l.third_bound, 1.0, 0.2501, 0.1926,
-             e);
+  e.fourth = l.third;
+  remainders(radius, 1.0 + magnitude(z0), l.first_bound, l.second_bound, l.third_bound, l.fourth_bound, 1.0,
+             0.2501, 0.1926, e);
 }
 
 // z s(z); its k-th derivative is k s^(k-1) + z s^(k). Over the range: the value at z0 plus radius times a
@@ -199,13 +225,14 @@ inline void expand_silu(Lanes z0, Lanes radius, Expansion& e) {
   e.first = l.s + z0 * l.first;
   e.second = 2.0 * l.first + z0 * l.second;
   e.third = 3.0 * l.second + z0 * l.third;
-  const Lanes fourth = 4.0 * l.third + z0 * l.fourth, rounding = 0x1p-40 * scale;
+  e.fourth = 4.0 * l.third + z0 * l.fourth;
+  const Lanes rounding = 0x1p-40 * scale;
   const Lanes second_bound = smaller(2.0 * l.first_bound + farthest * l.second_bound, all(0.5001));
-  const Lanes fourth_bound = smaller(magnitude(fourth) + 0.6581 * radius + rounding, all(0.5001));
+  const Lanes fourth_bound = smaller(magnitude(e.fourth) + 0.6581 * radius + rounding, all(0.5001));
   const Lanes third_bound = smaller(smaller(3.0 * l.second_bound + farthest * l.third_bound,
                                             magnitude(e.third) + radius * fourth_bound + rounding),
                                     all(0.3082));
-  remainders(radius, scale, second_bound, third_bound, fourth_bound, 1.2, 0.5371, 0.6164, e);
+  remainders(radius, scale, second_bound, third_bound, fourth_bound, all(0.6581), 1.2, 0.5371, 0.6164, e);
 }
 
 // exp(z) - 1 below 0, z above: sigma'' jumps from 1 to 0 at 0. On a range around 0, sigma'' lies in [0, 1]
@@ -220,17 +247,25 @@ inline void expand_elu(Lanes z0, Lanes radius, Expansion& e) {
   e.value = positive ? z0 : power - 1.0;
   e.first = positive ? all(1.0) : power;
   e.second = above ? all(0.0) : (below ? power : all(0.5));
-  e.third = below ? power : all(0.0);
+  e.third = e.fourth = below ? power : all(0.0);
   const Lanes cubic = smaller(bound * radius * (1.0 / 6.0), all(0.5)) * square;
   e.value_error = (above ? all(0.0) : (below ? cubic : 0.25 * square)) * slack + rounding;
   e.linear_error = (above ? all(0.0) : (below ? 0.5 * bound * square : 0.5 * square)) * slack + rounding;
   e.first_error = (above ? all(0.0) : (below ? cubic : 0.5 * radius)) * slack + rounding;
+  // Beyond the third order below 0; there all derivatives are e^z.
+  const Lanes quartic =
+      bound * square * square * (slack / 24.0) + rounding + coefficient_error * radius * square;
+  const Words fine = below & (quartic < e.first_error);
+  e.first_rest = fine ? quartic : e.first_error;
+  e.value_rest =
+      below ? smaller(quartic, e.value_error + power * radius * square * (slack / 6.0)) : e.value_error;
+  e.fourth = fine ? e.fourth : all(0.0);
   const Words line = wide & ~above;  // 0 <= sigma' <= 1
   e.second = line ? all(0.0) : e.second;
-  e.third = line ? all(0.0) : e.third;
   e.linear_error = line ? radius * slack + rounding : e.linear_error;
   e.value_error = line ? e.linear_error : e.value_error;
   e.first_error = line ? 1.0 + rounding : e.first_error;
+  e.leave(line);
 }
 
 // The C library's sin and cos, wrong by at most 4 units in the last place.
@@ -245,23 +280,25 @@ inline void expand_sine(Lanes z0, Lanes radius, Expansion& e) {
   e.first = cosine;
   e.second = -sine;
   e.third = -cosine;
+  e.fourth = sine;
   const Lanes sine_bound = smaller(magnitude(sine) + magnitude(cosine) * radius + 0x1p-48, all(1.0));
   const Lanes cosine_bound = smaller(magnitude(cosine) + magnitude(sine) * radius + 0x1p-48, all(1.0));
-  remainders(radius, all(1.0), sine_bound, cosine_bound, sine_bound, 2.0, 2.0001, 2.0001, e);
+  remainders(radius, all(1.0), sine_bound, cosine_bound, sine_bound, cosine_bound, 2.0, 2.0001, 2.0001, e);
   const Words flat = e.linear_error > 1.0;
   e.value = flat ? all(0.0) : e.value;
   e.first = flat ? all(0.0) : e.first;
   e.second = flat ? all(0.0) : e.second;
-  e.third = flat ? all(0.0) : e.third;
   e.linear_error = flat ? all(1.0) : e.linear_error;
   e.value_error = flat ? all(1.0) : e.value_error;
   e.first_error = flat ? all(1.0) : e.first_error;
+  e.leave(flat);
 }
 
 inline void expand_identity(Lanes z0, Lanes radius, Expansion& e) {
   e.value = z0;
   e.first = all(1.0);
-  e.second = e.third = e.value_error = e.linear_error = e.first_error = 0.0 * radius;
+  e.second = e.third = e.fourth = e.value_error = e.linear_error = e.first_error = e.value_rest =
+      e.first_rest = 0.0 * radius;
 }
 
 inline void expand_lanes(Activation activation, Lanes z0, Lanes radius, Expansion& e) {
@@ -279,8 +316,8 @@ inline void expand_lanes(Activation activation, Lanes z0, Lanes radius, Expansio
     case Activation::sine:
       return expand_sine(z0, radius, e);
   }
-  e.value = e.first = e.second = e.third = e.value_error = e.linear_error = e.first_error =
-      all(__builtin_nan(""));
+  e.value = e.first = e.second = e.third = e.fourth = e.value_error = e.linear_error = e.first_error =
+      e.value_rest = e.first_rest = all(__builtin_nan(""));
 }
 
 void expand(Activation activation, const double* z0, const double* radius, ActivationExpansion& result) {
@@ -291,9 +328,12 @@ void expand(Activation activation, const double* z0, const double* radius, Activ
     store(result.first + t, e.first);
     store(result.second + t, e.second);
     store(result.third + t, e.third);
+    store(result.fourth + t, e.fourth);
     store(result.value_error + t, e.value_error);
     store(result.linear_error + t, e.linear_error);
     store(result.first_error + t, e.first_error);
+    store(result.value_rest + t, e.value_rest);
+    store(result.first_rest + t, e.first_rest);
   }
 }
 
@@ -356,7 +396,7 @@ void activate(const LayerTile& layer) {
     for (ptrdiff_t i = 0; i < layer.width; ++i) {
       const double* z = layer.z + i * row + t;
       double* a = layer.a + i * row + t;
-      double* kept = layer.expansion + i * 5 * tile_boxes + t;
+      double* kept = layer.expansion + i * kept_rows * tile_boxes + t;
       double* z_remainder = layer.z_remainder + i * layer.streams * tile_boxes + t;
       double* out_remainder = layer.a_remainder + i * layer.streams * tile_boxes + t;
       // z - z0 = linear + quadratic + r = linear + deviation, as sizes.
@@ -364,14 +404,15 @@ void activate(const LayerTile& layer) {
       const Lanes linear = spread(z + tile_boxes, half, n), quadratic = quadratic_size(z + hessian, half, n);
       const Lanes deviation = (quadratic + r) * slack, radius = (linear + deviation) * slack;
       const Lanes square_error = deviation * (linear + radius);  // of (z - z0)^2 against linear^2
-      store(z_remainder, deviation);
+      store(z_remainder, r);
       Expansion e;
       expand_lanes(layer.activation, load(z), radius, e);
       store(kept, e.first);
       store(kept + tile_boxes, e.second);
       store(kept + 2 * tile_boxes, e.third);
-      store(kept + 3 * tile_boxes, e.value_error);
-      store(kept + 4 * tile_boxes, e.first_error);
+      store(kept + 3 * tile_boxes, e.fourth);
+      store(kept + 4 * tile_boxes, e.value_rest);
+      store(kept + 5 * tile_boxes, e.first_rest);
       const Lanes first = magnitude(e.first), second = magnitude(e.second);
       store(a, e.value);
       for (ptrdiff_t d = 1; d < columns; ++d) store(a + d * tile_boxes, e.first * load(z + d * tile_boxes));
@@ -389,7 +430,7 @@ void activate(const LayerTile& layer) {
         const Lanes rate_quadratic = quadratic_size(rate + hessian, half, n);
         const Lanes rate_deviation = (rate_quadratic + rate_r) * slack;
         const Lanes rate_radius = (rate_linear + rate_deviation) * slack;
-        store(z_remainder + s * tile_boxes, rate_deviation);
+        store(z_remainder + s * tile_boxes, rate_r);
         const Lanes rate0 = load(rate), cross = e.second * rate0, bend = e.third * rate0;
         const Lanes cross_size = magnitude(cross), bend_size = magnitude(bend);
         store(a + s * block, e.first * rate0);
@@ -420,57 +461,151 @@ void activate(const LayerTile& layer) {
   }
 }
 
+// cubic[d, e g] += factor_d (p . dx)(q . dx)'s coefficient of dx_e dx_g, e <= g.
+inline void add_cubic(double* cubic, const double* factor, const double* p, const double* q, ptrdiff_t n) {
+  for (ptrdiff_t e = 0; e < n; ++e) {
+    const Lanes pe = load(p + e * tile_boxes), qe = load(q + e * tile_boxes);
+    for (ptrdiff_t g = e; g < n; ++g, cubic += tile_boxes) {
+      const Lanes straight = pe * load(q + g * tile_boxes);
+      const Lanes product = g == e ? straight : straight + qe * load(p + g * tile_boxes);
+      double* entry = cubic;
+      for (ptrdiff_t d = 0; d < n; ++d, entry += n * (n + 1) / 2 * tile_boxes)
+        store(entry, load(entry) + load(factor + d * tile_boxes) * product);
+    }
+  }
+}
+
+// What comes into a neuron: z - z0 = line + deviation = line + quadratic + r, as sizes; and its derivative.
+struct Reach {
+  Reach(const double* model, const double* remainder, const double* half, ptrdiff_t n)
+      : line(spread(model + tile_boxes, half, n)),
+        deviation((quadratic_size(model + (1 + n) * tile_boxes, half, n) + load(remainder)) * slack),
+        radius((line + deviation) * slack) {}
+  Lanes line, deviation, radius;
+};
+
+// Above |u^2 - line^2| and |u^3 - line^3| for u = z - z0.
+inline Lanes square_error(const Reach& u) { return u.deviation * (u.line + u.radius); }
+inline Lanes cube_error(const Reach& u) {
+  return u.deviation * (u.radius * u.radius + u.radius * u.line + u.line * u.line);
+}
+
+// The adjoint of an output: at the centre, and its slopes [n].
+struct Adjoint {
+  Adjoint(const double* row, const double* half, ptrdiff_t n)
+      : value(load(row)), slope(row + tile_boxes), size(magnitude(value)), tilt(spread(slope, half, n)) {}
+  Lanes value;
+  const double* slope;
+  Lanes size, tilt;  // |value| and above |slope . dx|
+};
+
+// What the sweep adds up.
+struct Sums {
+  Lanes remainder, terms;
+};
+
+// alpha (sigma(z) - its line), alpha an affine function of dx. With u = z - z0 = line + deviation this is
+//   alpha (first deviation + second u^2 / 2 + third u^3 / 6 + rest),
+// of which alpha_0 second line deviation, too, is left to the layers below.
+inline void pull_value(const Adjoint& alpha, const Reach& u, const double* kept, Sums& sums) {
+  const Lanes first = magnitude(load(kept)), second = magnitude(load(kept + tile_boxes)),
+              third = magnitude(load(kept + 2 * tile_boxes));
+  const Lanes square = u.line * u.line;
+  sums.remainder +=
+      (alpha.size + alpha.tilt) * (load(kept + 4 * tile_boxes) + twice * first * u.line) +
+      0.5 * second * (alpha.size * u.deviation * u.deviation + alpha.tilt * square_error(u)) +
+      (1.0 / 6.0) * third * (alpha.size * cube_error(u) + alpha.tilt * u.radius * u.radius * u.radius);
+  sums.terms += square * (second * (alpha.size + alpha.tilt) + third * alpha.size * u.line);
+}
+
+// rho (sigma'(z) zdot - its line) in the same way: with v = zdot - zdot0 it is
+//   rho (first deviation_v + second zdot0 deviation_u + second u v + third (zdot0 u^2 / 2 + u^2 v / 2)
+//        + fourth (zdot0 + v) u^3 / 6 + rest (zdot0 + v)),
+// of which rho_0 second (line_u deviation_v + line_v deviation_u) and rho_0 third zdot0 line_u deviation_u are left.
+inline void pull_rate(const Adjoint& rho, const Reach& u, const Reach& v, Lanes rate0, const double* kept,
+                      Sums& sums) {
+  const Lanes first = magnitude(load(kept)), second = magnitude(load(kept + tile_boxes)),
+              third = magnitude(load(kept + 2 * tile_boxes)), fourth = magnitude(load(kept + 3 * tile_boxes));
+  const Lanes rate = magnitude(rate0), square = u.line * u.line, cube = u.radius * u.radius * u.radius;
+  sums.remainder +=
+      (rho.size + rho.tilt) * (load(kept + 5 * tile_boxes) * (rate + v.radius) +
+                               twice * (first * (rate + v.line) + second * rate * u.line)) +
+      rho.size * (second * u.deviation * v.deviation + 0.5 * third * rate * u.deviation * u.deviation +
+                  0.5 * third * (square_error(u) * v.radius + square * v.deviation) +
+                  (1.0 / 6.0) * fourth * (rate * cube_error(u) + cube * v.radius)) +
+      rho.tilt * (second * (u.deviation * v.radius + u.line * v.deviation) +
+                  0.5 * third * (rate * square_error(u) + u.radius * u.radius * v.radius) +
+                  (1.0 / 6.0) * fourth * cube * (rate + v.radius));
+  sums.terms += second * u.line * v.line * (2.0 * rho.size + rho.tilt) +
+                square * (third * (rate * (rho.size + rho.tilt) + rho.size * v.line) +
+                          fourth * rate * rho.size * u.line);
+}
+
 void pull_back(const LayerTile& layer, const PullBackTile& tile) {
   const ptrdiff_t n = layer.dimension, block = (1 + n + n * (n + 1) / 2) * tile_boxes;
-  const ptrdiff_t row = layer.streams * block;
+  const ptrdiff_t row = layer.streams * block, adjoint_row = (1 + n) * tile_boxes;
+  double* const factor = tile.scratch;
   for (ptrdiff_t t = 0; t < tile_boxes; t += lanes<double>) {
     const double* half = layer.half + t;
-    Lanes remainder = load(tile.remainder + t), terms = load(tile.hessian_magnitude + t);
+    Sums sums = {load(tile.remainder + t), load(tile.magnitude + t)};
     for (ptrdiff_t i = 0; i < layer.width; ++i) {
-      const ptrdiff_t at = i * layer.streams * tile_boxes + t;
-      const double* z = layer.z + i * row + t;
-      const double* kept = layer.expansion + i * 5 * tile_boxes + t;
+      const ptrdiff_t at = i * layer.streams * adjoint_row + t;
+      const double *z = layer.z + i * row + t, *z_slope = z + tile_boxes,
+                   *kept = layer.expansion + i * kept_rows * tile_boxes + t,
+                   *r = layer.z_remainder + i * layer.streams * tile_boxes + t;
       const Lanes first = load(kept), second = load(kept + tile_boxes), third = load(kept + 2 * tile_boxes);
-      const Lanes r = load(layer.z_remainder + at), linear = spread(z + tile_boxes, half, n),
-                  radius = linear + r;
-      const Lanes square_error = r * (linear + radius);  // of (z - z0)^2 against (slopes . dx)^2
-      const Lanes adjoint = load(tile.adjoint_a + at), size = magnitude(adjoint);
-      Lanes curvature = adjoint * second, passed = adjoint * first;
-      Lanes passed_size = magnitude(passed);
-      remainder += size * (load(kept + 3 * tile_boxes) + 0.5 * magnitude(second) * square_error +
-                           twice * magnitude(first) * linear);
+      const Reach u(z, r, half, n);
+      const Adjoint alpha(tile.adjoint_a + at, half, n);
+      double* passed = tile.adjoint_z + at;
+      pull_value(alpha, u, kept, sums);
+      // What weighs line_u^2 / 2, and line_u^3 / 6.
+      Lanes curvature = alpha.value * second, twist = alpha.value * third;
+      Lanes value_passed = alpha.value * first;
+      Lanes passed_size = magnitude(first) * (alpha.size + alpha.tilt) + magnitude(curvature) * u.line;
       if (layer.streams == 2) {
-        const double* rate = z + block;
-        const Lanes rate0 = load(rate), rate_r = load(layer.z_remainder + at + tile_boxes);
-        const Lanes rate_linear = spread(rate + tile_boxes, half, n), rate_radius = rate_linear + rate_r;
-        const Lanes rate_adjoint = load(tile.adjoint_a + at + tile_boxes),
-                    rate_size = magnitude(rate_adjoint);
-        const Lanes mixed = rate_adjoint * second, mixed_size = magnitude(mixed);
-        const Lanes cross = mixed * rate0, rate_passed = rate_adjoint * first;
-        const Lanes bend = rate_adjoint * third * rate0;
+        const double *rate = z + block, *rate_slope = rate + tile_boxes;
+        const Reach v(rate, r + tile_boxes, half, n);
+        const Adjoint rho(tile.adjoint_a + at + adjoint_row, half, n);
+        const Lanes rate0 = load(rate);
+        pull_rate(rho, u, v, rate0, kept, sums);
+        const Lanes mixed = rho.value * second, turn = rho.value * third, bend = turn * rate0,
+                    cross = second * rate0, hook = third * rate0;
         curvature += bend;
-        passed += cross;
-        passed_size += magnitude(cross);
-        add_product(tile.hessian + t, 2.0 * mixed, z + tile_boxes, rate + tile_boxes, n);
-        terms += 2.0 * mixed_size * linear * rate_linear + magnitude(bend) * linear * linear;
-        remainder += mixed_size * (linear * rate_r + r * rate_radius) + 0.5 * magnitude(bend) * square_error +
-                     rate_size * (0.5 * magnitude(third) * radius * radius * rate_radius +
-                                  load(kept + 4 * tile_boxes) * (magnitude(rate0) + rate_radius) +
-                                  twice * (magnitude(first) * (magnitude(rate0) + rate_linear) +
-                                           magnitude(second * rate0) * linear));
-        store(tile.adjoint_z + at + tile_boxes, rate_passed);
-        remainder +=
-            magnitude(rate_passed) * (layer.row_error[i] * load(layer.magnitude_in + tile_boxes + t) +
-                                      layer.adjoint_rounding * rate_r);
+        twist += rho.value * load(kept + 3 * tile_boxes) * rate0;
+        value_passed += rho.value * cross;
+        passed_size +=
+            magnitude(cross) * (rho.size + rho.tilt) + magnitude(bend) * u.line + magnitude(mixed) * v.line;
+        add_product(tile.hessian + t, 2.0 * mixed, z_slope, rate_slope, n);
+        double* rate_passed = passed + adjoint_row;
+        store(rate_passed, rho.value * first);
+        for (ptrdiff_t d = 0; d < n; ++d) {
+          const ptrdiff_t to = (1 + d) * tile_boxes;
+          const Lanes a = load(alpha.slope + d * tile_boxes), b = load(rho.slope + d * tile_boxes),
+                      l = load(z_slope + d * tile_boxes), m = load(rate_slope + d * tile_boxes);
+          store(passed + to, first * a + cross * b + curvature * l + mixed * m);
+          store(rate_passed + to, first * b + mixed * l);
+          store(factor + d * tile_boxes, 0.5 * (second * a + hook * b + turn * m) + (1.0 / 6.0) * twist * l);
+          store(factor + (n + d) * tile_boxes, second * b);
+        }
+        add_cubic(tile.cubic + t, factor + n * tile_boxes, z_slope, rate_slope, n);
+        const Lanes rate_size = magnitude(first) * (rho.size + rho.tilt) + magnitude(mixed) * u.line;
+        sums.remainder += rate_size * (layer.row_error[i] * load(layer.magnitude_in + tile_boxes + t) +
+                                       layer.adjoint_rounding * v.deviation);
+      } else {
+        for (ptrdiff_t d = 0; d < n; ++d) {
+          const Lanes a = load(alpha.slope + d * tile_boxes), l = load(z_slope + d * tile_boxes);
+          store(passed + (1 + d) * tile_boxes, first * a + curvature * l);
+          store(factor + d * tile_boxes, 0.5 * second * a + (1.0 / 6.0) * twist * l);
+        }
       }
-      add_square(tile.hessian + t, curvature, z + tile_boxes, n);
-      terms += magnitude(adjoint * second) * linear * linear;
-      store(tile.adjoint_z + at, passed);
-      remainder += passed_size * (layer.row_error[i] * load(layer.magnitude_in + t) + layer.bias_error[i] +
-                                  layer.adjoint_rounding * r);
+      store(passed, value_passed);
+      add_square(tile.hessian + t, curvature, z_slope, n);
+      add_cubic(tile.cubic + t, factor, z_slope, z_slope, n);
+      sums.remainder += passed_size * (layer.row_error[i] * load(layer.magnitude_in + t) +
+                                       layer.bias_error[i] + layer.adjoint_rounding * u.deviation);
     }
-    store(tile.remainder + t, remainder);
-    store(tile.hessian_magnitude + t, terms);
+    store(tile.remainder + t, sums.remainder);
+    store(tile.magnitude + t, sums.terms);
   }
 }
 

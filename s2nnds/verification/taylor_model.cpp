@@ -65,7 +65,27 @@ void TileForm::clear() {
   magnitude.setZero();
   for (TileRow& row : gradient) row.setZero();
   for (TileRow& row : hessian) row.setZero();
+  for (TileRow& row : cubic) row.setZero();
   operations = 16;
+}
+
+TileForm TileForm::negative() const {
+  TileForm result = *this;
+  result.value = -value;
+  for (std::vector<TileRow>* rows : {&result.gradient, &result.hessian, &result.cubic}) {
+    for (TileRow& row : *rows) row = -row;
+  }
+  return result;
+}
+
+void TileForm::take(const TileForm& other, Eigen::Index lane, Eigen::Index to) {
+  value(to) = other.value(lane);
+  for (std::size_t d = 0; d < gradient.size(); ++d) gradient[d](to) = other.gradient[d](lane);
+  for (std::size_t at = 0; at < hessian.size(); ++at) hessian[at](to) = other.hessian[at](lane);
+  for (std::size_t at = 0; at < cubic.size(); ++at) cubic[at](to) = other.cubic[at](lane);
+  remainder(to) = other.remainder(lane);
+  magnitude(to) = other.magnitude(lane);
+  operations = std::max(operations, other.operations);
 }
 
 void TileForm::add_line(const TileRow& line_value, const TileRow* slope, const BoxTile& tile) {
@@ -88,14 +108,58 @@ void TileForm::add_curvature(const TileRow& weight, const std::vector<TileRow>& 
   }
 }
 
+void TileForm::add_cubic(const TileRow* slope, const TileRow* hessian_rows, const BoxTile& tile) {
+  TileRow* row = cubic.data();
+  for (std::size_t d = 0; d < gradient.size(); ++d) {
+    const TileRow* entry = hessian_rows;
+    for (std::size_t e = 0; e < gradient.size(); ++e) {
+      for (std::size_t g = e; g < gradient.size(); ++g) *row++ += (e == g ? 0.5 : 1.0) * slope[d] * *entry++;
+    }
+  }
+  magnitude += linear_size(slope, tile) * quadratic_size(hessian_rows, tile);
+}
+
+// Monomials that differ in order alone are one.
+template <typename Visit>
+void TileForm::for_cubes(const Visit& visit) const {
+  const auto n = static_cast<Eigen::Index>(gradient.size());
+  const auto at = [&](Eigen::Index d, Eigen::Index e, Eigen::Index g) -> const TileRow& {
+    return cubic[static_cast<std::size_t>(d * triangle(n) + triangle_row(e, g, n))];
+  };
+  for (Eigen::Index d = 0; d < n; ++d) {
+    for (Eigen::Index e = d; e < n; ++e) {
+      for (Eigen::Index g = e; g < n; ++g) {
+        TileRow sum = at(d, e, g);
+        if (d != e) sum += at(e, d, g);
+        if (e != g) sum += at(g, d, e);
+        visit(d, e, g, sum);
+      }
+    }
+  }
+}
+
 TileRow TileForm::upper(const BoxTile& tile) const { return bound(tile, 1.0); }
 TileRow TileForm::lower(const BoxTile& tile) const { return -bound(tile, -1.0); }
 
+TileRow TileForm::cubic_size(const BoxTile& tile) const {
+  TileRow sum;
+  for_cubes([&](Eigen::Index d, Eigen::Index e, Eigen::Index g, const TileRow& coefficient) {
+    sum += coefficient.abs() * tile.half[d] * tile.half[e] * tile.half[g];
+  });
+  return sum * slack;
+}
+
+TileRow TileForm::error(const TileRow& size) const {
+  const double roundings = 4.0 * unit_roundoff * operations;
+  return remainder * (1.0 + roundings) + roundings * (magnitude + size) * (1.0 + roundings) + underflow;
+}
+
 TileRow TileForm::bound(const BoxTile& tile, double sign) const {
   const Eigen::Index n = tile.dimension();
-  TileRow result;
+  const TileRow cubes = cubic_size(tile);
+  TileRow polynomials = cubes, sizes = value.abs() + cubes;
   for (Eigen::Index lane = 0; lane < tile_boxes; ++lane) {
-    double polynomial = 0.0, size = std::abs(value(lane));
+    double &polynomial = polynomials(lane), &size = sizes(lane);
     std::size_t at = 0;
     for (Eigen::Index d = 0; d < n; ++d) {
       const double w = tile.half[d](lane), g = gradient[d](lane), h = hessian[at++](lane);
@@ -107,20 +171,24 @@ TileRow TileForm::bound(const BoxTile& tile, double sign) const {
         size += mixed;
       }
     }
-    const double roundings = 4.0 * unit_roundoff * operations;
-    const double error = remainder(lane) * (1.0 + roundings) +
-                         roundings * (magnitude(lane) + size) * (1.0 + roundings) + underflow;
-    result(lane) = sign * value(lane) + (polynomial + error * slack);
   }
-  return result;
+  return sign * value + (polynomials + error(sizes) * slack);
 }
 
 // The polynomial's gradient anywhere on the box, times the distance; what it leaves out may have both signs.
 TileRow TileForm::variation(const BoxTile& tile, double distance) const {
   const Eigen::Index n = tile.dimension();
   TileRow slopes, size = value.abs();
+  std::vector<TileRow> cubic_slope(gradient.size());
+  for_cubes([&](Eigen::Index d, Eigen::Index e, Eigen::Index g, const TileRow& coefficient) {
+    const TileRow c = coefficient.abs();
+    size += c * tile.half[d] * tile.half[e] * tile.half[g];
+    cubic_slope[d] += c * tile.half[e] * tile.half[g];
+    cubic_slope[e] += c * tile.half[d] * tile.half[g];
+    cubic_slope[g] += c * tile.half[d] * tile.half[e];
+  });
   for (Eigen::Index d = 0; d < n; ++d) {
-    TileRow slope = gradient[d].abs();
+    TileRow slope = gradient[d].abs() + cubic_slope[d];
     for (Eigen::Index e = 0; e < n; ++e) {
       const TileRow& h = hessian[triangle_row(std::min(d, e), std::max(d, e), n)];
       slope += h.abs() * tile.half[e];
@@ -129,10 +197,7 @@ TileRow TileForm::variation(const BoxTile& tile, double distance) const {
     size += gradient[d].abs() * tile.half[d];
     slopes += slope.square();
   }
-  const double roundings = 4.0 * unit_roundoff * operations;
-  const TileRow error =
-      remainder * (1.0 + roundings) + roundings * (magnitude + size) * (1.0 + roundings) + underflow;
-  return (distance * slopes.sqrt() + 2.0 * error) * slack;
+  return (distance * slopes.sqrt() + 2.0 * error(size)) * slack;
 }
 
 Vector TileForm::extreme_point(const BoxTile& tile, Eigen::Index lane, double sign) const {
@@ -150,6 +215,11 @@ Vector TileForm::extreme_point(const BoxTile& tile, Eigen::Index lane, double si
 
 double TileForm::polynomial(const BoxTile& tile, Eigen::Index lane, const Vector& point) const {
   double sum = value(lane);
+  for_cubes([&](Eigen::Index d, Eigen::Index e, Eigen::Index g, const TileRow& coefficient) {
+    double cube = coefficient(lane);
+    for (const Eigen::Index axis : {d, e, g}) cube *= point(axis) - tile.center[axis](lane);
+    sum += cube;
+  });
   std::size_t at = 0;
   for (Eigen::Index d = 0; d < point.size(); ++d) {
     const double x = point(d) - tile.center[d](lane);
@@ -162,10 +232,10 @@ double TileForm::polynomial(const BoxTile& tile, Eigen::Index lane, const Vector
 }
 
 // A part of the box is hopeless while its remainder alone exceeds what the polynomial offers at best. A cut multiplies a
-// remainder of third order by shrink or so; parts that turn out provable earlier cost little.
+// remainder of fourth order by shrink or so; parts that turn out provable earlier cost little.
 std::int32_t useful_cuts(Eigen::Index n, double least_polynomial, double remainder) {
   constexpr std::int32_t most = 60;
-  const double dimension = static_cast<double>(n), shrink = 0.7 * std::pow((dimension - 0.5) / dimension, 3);
+  const double dimension = static_cast<double>(n), shrink = 0.7 * std::pow((dimension - 0.5) / dimension, 4);
   std::int32_t cuts = 1;
   for (double left = shrink * remainder; cuts < most && least_polynomial < 0.0 && left > -least_polynomial;
        left *= shrink) {
@@ -188,7 +258,7 @@ ScalarEnclosure::ScalarEnclosure(const TaylorFunction& function, const TaylorFun
       field_workspace_(field != nullptr ? field->workspace() : nullptr),
       direction_(function.input_dimension(), function.input_dimension()),
       gradient_(direction_),
-      adjoint_(function.input_dimension()),
+      adjoint_(function.input_dimension() * (1 + function.input_dimension())),
       form_(function.input_dimension()) {
   const Eigen::Index n = function.input_dimension();
   check(function.output_dimension() == 1, "enclosure: found a function with {} outputs, expected 1",

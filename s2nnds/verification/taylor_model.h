@@ -78,16 +78,23 @@ TileRow linear_size(const TileRow* slope, const BoxTile& tile);
 // Above |dx' H dx / 2| on each box: hessian [n (n + 1) / 2], the upper triangle of H row by row.
 TileRow quadratic_size(const TileRow* hessian, const BoxTile& tile);
 
-// A scalar function to second order on a tile: |q(x) - value - gradient . dx - dx' H dx / 2| <= remainder,
-// dx = x - c, once the roundings collected in `magnitude` are counted (bounds do).
+// A scalar function to third order on a tile: |q(x) - value - gradient . dx - dx' H dx / 2 - C(dx)| <= remainder, dx = x - c,
+// C(dx) the sum of cubic[d, e g] dx_d dx_e dx_g over d and e <= g, once the roundings collected in `magnitude` are counted (bounds do).
 struct TileForm {
   // The form 0 in n = `dimension` variables.
-  explicit TileForm(Eigen::Index dimension) : gradient(dimension), hessian(triangle(dimension)) {}
+  explicit TileForm(Eigen::Index dimension)
+      : gradient(dimension), hessian(triangle(dimension)), cubic(dimension * triangle(dimension)) {}
   void clear();  // back to the form 0
+  TileForm negative() const;
+  // One lane becomes another's of a form in as many variables.
+  void take(const TileForm& other, Eigen::Index lane, Eigen::Index to);
   // Adds value + slope . dx, slope [n].
   void add_line(const TileRow& line_value, const TileRow* slope, const BoxTile& tile);
   // Adds weight dx' H dx / 2, H given by the rows of its upper triangle.
   void add_curvature(const TileRow& weight, const std::vector<TileRow>& rows, const BoxTile& tile);
+
+  // Adds (slope . dx) (dx' H dx / 2): slope [n], hessian [n (n + 1) / 2], the upper triangle of H row by row.
+  void add_cubic(const TileRow* slope, const TileRow* hessian, const BoxTile& tile);
 
   // Above every value of q on each box; NaN where nothing is known.
   TileRow upper(const BoxTile& tile) const;
@@ -104,12 +111,19 @@ struct TileForm {
   TileRow value;                  // of q at the centre, rounded
   std::vector<TileRow> gradient;  // [n]
   std::vector<TileRow> hessian;   // [n (n + 1) / 2], rows of the upper triangle
+  std::vector<TileRow> cubic;     // [n, n (n + 1) / 2]: dx_d dx_e dx_g has as many places as orders
   TileRow remainder;              // what the polynomial leaves out, >= 0
-  TileRow magnitude;              // sum of |terms| that went into value, gradient and Hessian
+  TileRow magnitude;              // sum of |terms| that went into the polynomial's coefficients
   double operations = 16;         // how many roundings a term can have gone through
 
  private:
   TileRow bound(const BoxTile& tile, double sign) const;
+  TileRow cubic_size(const BoxTile& tile) const;  // above |C(dx)|, but for roundings
+  // Above what the polynomial leaves out, with the roundings of terms of this size.
+  TileRow error(const TileRow& size) const;
+  // Calls back with d <= e <= g and the coefficient of dx_d dx_e dx_g.
+  template <typename Visit>
+  void for_cubes(const Visit& visit) const;
 };
 
 // How often to bisect a box of R^n until a form's upper bound may be negative, from the least value of its polynomial and
@@ -119,8 +133,8 @@ std::int32_t useful_cuts(Eigen::Index n, double least_polynomial, double remaind
 // A function R^n -> R^m that can be enclosed by Taylor models over tiles of boxes, in exact arithmetic with
 // every rounding covered: a network, a polynomial. Compositions are expanded by a forward and a backward
 // sweep: the forward sweep gives second-order models of every quantity on the way; the backward one weighs
-// the local second-order terms and remainders of every elementary operation with their exact influence on the
-// scalar in question (its adjoint at the centre), so that its remainder does not pass through |W| after |W|.
+// the local second and third-order terms and remainders of every elementary operation with their influence on the
+// scalar in question (its adjoint, to first order), so that no remainder passes through |W| after |W|.
 class TaylorFunction {
  public:
   // What the sweeps leave in memory; one for each thread.
@@ -139,7 +153,8 @@ class TaylorFunction {
 
   // Models of all outputs.
   virtual void models(const BoxTile& tile, Workspace& workspace, TileModels& y) const = 0;
-  // After models(): adds sum_i adjoint_i (y_i(x) - value_i - slope_i . dx) to q, adjoint [m].
+  // After models(): adds sum_i adjoint_i(x) (y_i(x) - value_i - slope_i . dx) to q, adjoint [m, 1 + n] the value at the
+  // centre and the slopes of affine functions.
   virtual void add_deviations(const BoxTile& tile, Workspace& workspace, const std::vector<TileRow>& adjoint,
                               TileForm& q) const = 0;
 
@@ -156,8 +171,9 @@ class TaylorFunction {
   virtual void gradient_models(const BoxTile& tile, Workspace& workspace, TileModels& gradient) const = 0;
   // Scalar functions only. Adds y(x) to q.
   virtual void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const = 0;
-  // Scalar functions only. Adds grad y(x) . d(x) to q, d given by its models [n] but for sum_i adjoint_i
-  // (d_i(x) - value_i - slope_i . dx), which the caller still has to add: adjoint [n] is returned.
+  // Scalar functions only. Adds grad y(x) . d(x) to q, d given by its models [n] but for sum_i adjoint_i(x)
+  // (d_i(x) - value_i - slope_i . dx), which the caller still has to add: adjoint [n, 1 + n] is returned, as
+  // add_deviations takes it.
   virtual void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                               std::vector<TileRow>& adjoint, TileForm& q) const = 0;
 

@@ -7,6 +7,8 @@
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/random.h"
+#include "s2nnds/problem/framed_region.h"
+#include "s2nnds/problem/inflated_region.h"
 
 namespace s2nnds {
 namespace {
@@ -109,6 +111,59 @@ TEST(Region, UnknownVolumeShrinksLinearlyAndTheRestIsTheVolume) {
       EXPECT_GE(fine.inside + fine.unknown, r.volume - 1e-9) << r.name;
     }
   }
+}
+
+// Also of sets grown, of which the level need not be the distance, and in another frame.
+TEST(Region, BoundingHalfspacesHoldTheSetAndTouchIt) {
+  RandomStream random(5, "halfspaces");
+  std::vector<Named> regions = all_regions();
+  for (const Named& named : all_regions()) {
+    if (named.region->is_lipschitz())
+      regions.push_back({"grown " + named.name, inflated(named.region, 0.17), 0.0});
+  }
+  for (const Named& named : std::vector<Named>(regions))
+    regions.push_back({"framed " + named.name, framed(named.region, Vector{{0.2, -0.15}}, 1.7), 0.0});
+  int bounds = 0;
+  for (const auto& [name, region, volume] : regions) {
+    double farthest = -kInfinity;
+    for (int k = 0; k < 1000; ++k) {
+      const Box box = random_box(random);
+      const double level = k % 2 == 0 ? 0.0 : random.uniform(0.0, 0.1);
+      const auto bound = region->bounding_halfspace(box, level);
+      if (!bound) continue;
+      ++bounds;
+      const Points x = random_points(random, box, 50);
+      const Vector levels = region->level(x);
+      for (Eigen::Index i = 0; i < x.rows(); ++i) {
+        if (levels[i] > level) continue;
+        const double excess = x.row(i).dot(bound->normal) - bound->offset;
+        ASSERT_LE(excess, 1e-14) << name << " level " << level;
+        farthest = std::max(farthest, excess / bound->normal.norm());
+      }
+    }
+    const bool is_round =
+        name.ends_with("ball") || name.ends_with("ellipsoid") || name.ends_with("halfspace");
+    if (is_round) {
+      EXPECT_GT(farthest, -0.01) << name;
+    }
+  }
+  EXPECT_GT(bounds, 10000);
+  EXPECT_FALSE(complement(ball(Vector{{0.0, 0.0}}, 1.0))->bounding_halfspace(random_box(random), 0.0));
+}
+
+// The nearest half-space of a ball that was grown is that of the larger ball, exactly.
+TEST(Region, KnownBoundingHalfspaces) {
+  const Box box = {Vector{{0.8, -0.1}}, Vector{{1.0, 0.1}}};
+  const RegionPtr region = framed(inflated(ball(Vector{{1.0, 0.0}}, 0.25), 0.5), Vector{{0.5, 0.0}}, 2.0);
+  const auto bound = region->bounding_halfspace(box, 0.125);  // |2 z + (0.5, 0) - (1, 0)| <= 0.75 + 2 * 0.125
+  ASSERT_TRUE(bound);
+  EXPECT_NEAR(bound->normal[0], 2.0, 1e-14);
+  EXPECT_NEAR(bound->normal[1], 0.0, 1e-14);
+  EXPECT_NEAR(bound->offset, 1.5, 1e-14);
+  const auto oval =
+      inflated(ellipsoid(Vector{{0.0, 0.0}}, Vector{{0.5, 0.1}}), 0.1)->bounding_halfspace(box, 0.0);
+  ASSERT_TRUE(oval);  // its level is 0.1 where both semi-axes are doubled
+  EXPECT_NEAR(oval->offset / oval->normal[0], 1.0, 1e-14);
 }
 
 TEST(Region, KnownLevels) {

@@ -144,6 +144,26 @@ TEST(Prover, SeesAHoleOfMeasure1e8InTheUnsafeSet) {
   EXPECT_TRUE(result[Condition::initial].is_proved());
 }
 
+// B is a plane past a ball; boxes that straddle the ball's boundary need not be as small as the gap.
+TEST(Prover, ABarrierThatGrazesABallTakesFewBoxes) {
+  const Vector normal = Vector{{0.6, -0.8}}, center = Vector{{-0.6, 0.7}};
+  SafetyProblem problem = simple_problem();
+  problem.unsafe = ball(center, 0.25);
+  for (const double gap : {1e-5, -1e-5}) {
+    NetworkWeights plane;
+    const double nearest = normal.dot(center) - 0.25;
+    plane.layers = {layer(normal.transpose(), Vector::Constant(1, gap - nearest), Activation::identity)};
+    Networks networks = simple_networks();
+    networks.B = plane;
+    const ConditionProof proof =
+        prove_condition(Condition::unsafe, ProofFunctions::of(networks), problem, 0.01, quick());
+    EXPECT_EQ(proof.verdict.verdict, gap > 0.0 ? Verdict::proved : Verdict::refuted) << gap;
+    if (gap > 0.0) {
+      EXPECT_LT(proof.verdict.boxes, 200);
+    }
+  }
+}
+
 TEST(Prover, SeesAViolationOnlyAtTheWorkspacesEdge) {
   Networks networks = simple_networks();
   networks.f = with_bump(soft_stable_field(), 0, 1.25, 0.3, 1e-5, 3.0);

@@ -48,6 +48,14 @@ void expect_expansions_to_hold(Activation activation, int tiles, RandomStream& r
           << to_string(activation) << " at " << z0[t] << " radius " << radius[t];
       ASSERT_LE(first, e.first_error[t])
           << to_string(activation) << " at " << z0[t] << " radius " << radius[t];
+      ASSERT_LE(
+          abs(value - e.value[t] - e.first[t] * d - e.second[t] * d * d / 2 - e.third[t] * d * d * d / 6),
+          e.value_rest[t])
+          << to_string(activation) << " at " << z0[t] << " radius " << radius[t];
+      ASSERT_LE(
+          abs(slope - e.first[t] - e.second[t] * d - e.third[t] * d * d / 2 - e.fourth[t] * d * d * d / 6),
+          e.first_rest[t])
+          << to_string(activation) << " at " << z0[t] << " radius " << radius[t];
     }
   }
 }
@@ -75,17 +83,20 @@ TEST(ActivationExpansion, IsTight) {
       }
       ActivationExpansion e;
       taylor_kernels().expand(activation, z0, radius, e);
-      double widest_value = 0.0, widest_first = 0.0, mean_value = 0.0;
+      double widest_value = 0.0, widest_first = 0.0, mean_value = 0.0, widest_rest = 0.0;
       for (int t = 0; t < tile_boxes; ++t) {
         // A jump inside costs an order; the bound of the third derivative allows a factor.
         if (activation == Activation::elu && std::abs(z0[t]) <= radius[t]) continue;
         const double scale = std::pow(radius[t], 3);
         widest_value = std::max(widest_value, e.value_error[t] / scale);
         widest_first = std::max(widest_first, e.first_error[t] / scale);
+        widest_rest = std::max(widest_rest, e.value_rest[t] / std::pow(radius[t], 4));
+        EXPECT_LE(e.first_rest[t], std::min(e.first_error[t], 16.1 / 24.0 * std::pow(radius[t], 4) + 1e-12));
         mean_value += e.linear_error[t] / (radius[t] * radius[t]) / tile_boxes;
       }
       EXPECT_LT(widest_value, 2.01 / 6.0);  // |tanh'''| <= 2
       EXPECT_LT(widest_first, 4.1 / 6.0);   // |tanh''''| <= 4.09
+      EXPECT_LT(widest_rest, 4.1 / 24.0 + 1e-4);
       EXPECT_LT(mean_value, 0.51);
     }
   }
@@ -104,6 +115,8 @@ TEST(ActivationExpansion, ShrinksWithTheCubeOfTheRadius) {
       EXPECT_LT(e.value_error[t + 1], e.value_error[t] / 7.0) << to_string(activation);
       EXPECT_LT(e.first_error[t + 1], e.first_error[t] / 7.0) << to_string(activation);
       EXPECT_LT(e.linear_error[t + 1], e.linear_error[t] / 3.6) << to_string(activation);
+      EXPECT_LT(e.value_rest[t + 1], e.value_rest[t] / 14.0 + 1e-12) << to_string(activation);
+      EXPECT_LT(e.first_rest[t + 1], e.first_rest[t] / 14.0 + 1e-12) << to_string(activation);
     }
   }
 }
@@ -121,6 +134,8 @@ TEST(ActivationExpansion, NotANumberStaysNotANumber) {
     EXPECT_FALSE(e.value_error[1] < 1e300) << to_string(activation);
     EXPECT_FALSE(e.linear_error[1] < 1e300) << to_string(activation);
     EXPECT_FALSE(e.first_error[1] < 1e300) << to_string(activation);
+    EXPECT_FALSE(e.value_rest[1] < 1e300) << to_string(activation);
+    EXPECT_FALSE(e.first_rest[1] < 1e300) << to_string(activation);
   }
 }
 
@@ -155,6 +170,15 @@ void expect_form_to_hold(const TileForm& form, const BoxTile& tile, Eigen::Index
   ASSERT_GE(exact, form.lower(tile)(t));
   Exact polynomial = form.value(t);
   std::size_t at = 0;
+  for (std::size_t d = 0; d < x.size(); ++d) {
+    for (std::size_t e = 0; e < x.size(); ++e) {
+      for (std::size_t g = e; g < x.size(); ++g) {
+        polynomial += form.cubic[at++](t) * (x[d] - tile.center[d](t)) * (x[e] - tile.center[e](t)) *
+                      (x[g] - tile.center[g](t));
+      }
+    }
+  }
+  at = 0;
   for (std::size_t d = 0; d < x.size(); ++d) {
     const Exact dx = x[d] - tile.center[d](t);
     polynomial += form.gradient[d](t) * dx + form.hessian[at++](t) * dx * dx / 2;
@@ -212,6 +236,11 @@ void expect_networks_to_hold(int networks, int points, RandomStream& random) {
         const double band = std::nextafter(static_cast<double>(abs(exact.value[0])), INFINITY);
         ASSERT_LE(exact.rate[0], upper_within(rate, value, band, tile)(t))
             << "n = " << n << ", band " << band;
+        TileForm below = value;  // <= 0 at x
+        below.value -= std::nextafter(static_cast<double>(exact.value[0]), INFINITY);
+        below.magnitude += std::abs(static_cast<double>(exact.value[0]));
+        ASSERT_LE(exact.rate[0], upper_below(rate, below, tile)(t)) << "n = " << n;
+        ASSERT_LE(-exact.rate[0], upper_below(rate.negative(), below, tile)(t)) << "n = " << n;
       }
     }
   }
@@ -258,7 +287,7 @@ TEST(TaylorModel, VectorFieldModelsHoldTheExactField) {
   }
 }
 
-// The excess over the exact range shrinks at least with the square of the box; the remainder with its cube.
+// The excess over the exact range shrinks with the square of the box; the remainder with its fourth power.
 TEST(TaylorModel, ExcessShrinksQuadratically) {
   RandomStream random(7, "tightness");
   for (Activation activation : {Activation::tanh, Activation::softplus, Activation::silu, Activation::sine}) {
@@ -266,7 +295,7 @@ TEST(TaylorModel, ExcessShrinksQuadratically) {
     const NetworkWeights v = random_stack({2, 16, 16, 8}, activation, Head::squared_norm, random);
     const NetworkFunction field(f), function(v);
     ScalarEnclosure enclosure(function, &field);
-    double previous = 0.0, previous_remainder = 0.0;
+    double widest = 0.0, previous_remainder = 0.0, excess = 0.0;
     for (double half : {0.04, 0.02, 0.01, 0.005}) {
       Points lower(1, 2), upper(1, 2);
       lower << 0.3 - half, -0.4 - half;
@@ -285,15 +314,16 @@ TEST(TaylorModel, ExcessShrinksQuadratically) {
           high = std::max(high, rate(0, 0));
         }
       }
-      const double excess = (form.upper(tile)(0) - high) + (low - form.lower(tile)(0));
+      excess = (form.upper(tile)(0) - high) + (low - form.lower(tile)(0));
       EXPECT_GE(excess, -1e-12);
-      if (previous > 0.0) {
-        EXPECT_LT(excess, previous / 3.5) << to_string(activation) << " half " << half;
-        EXPECT_LT(form.remainder(0), previous_remainder / 7.0) << to_string(activation) << " half " << half;
+      if (widest == 0.0) {
+        widest = excess;
+      } else {
+        EXPECT_LT(form.remainder(0), previous_remainder / 14.0) << to_string(activation) << " half " << half;
       }
-      previous = excess;
       previous_remainder = form.remainder(0);
     }
+    EXPECT_LT(excess, widest / std::pow(3.5, 3)) << to_string(activation);
   }
 }
 
@@ -339,6 +369,20 @@ TEST(TaylorModel, BoundsWithinABandAreTight) {
   }
   EXPECT_LT(within / 20, 0.1);
   EXPECT_GT(everywhere / 20, 0.2);
+}
+
+// x - y wherever x <= 0, on |x|, |y| <= 0.1: 0.1, of which the bound on all of the box is 0.2; wherever x >= 0 nothing is won.
+TEST(TaylorModel, BoundsBelowALevelAreKnown) {
+  BoxTile tile(2);
+  for (TileRow& row : tile.half) row.setConstant(0.1);
+  TileForm q(2), level(2);
+  q.gradient[0].setOnes();
+  q.gradient[1].setConstant(-1.0);
+  level.gradient[0].setOnes();
+  EXPECT_NEAR(upper_below(q, level, tile)(0), 0.1, 1e-12);
+  EXPECT_NEAR(upper_below(q, level.negative(), tile)(0), 0.2, 1e-12);
+  level.gradient[0](0) = std::nan("");
+  EXPECT_FALSE(upper_below(q, level, tile)(0) < 0.2);
 }
 
 // A form that is not a number, or a band around one, gives no bound.
