@@ -32,7 +32,10 @@ void LyapunovOptions::visit(FieldVisitor& v) {
   if (form == "auto" || form == "diffeomorphism") v.field("lipschitz", lipschitz, inside(0.0, 1.0));
 }
 
-void BarrierOptions::visit(FieldVisitor& v) { network.visit(v); }
+void BarrierOptions::visit(FieldVisitor& v) {
+  network.visit(v);
+  v.field("wall_slope", wall_slope, at_least(0.0));
+}
 
 void NetworkOptions::choose_forms(bool projected) {
   if (f.form == "auto") f.form = projected ? "projected" : "plain";
@@ -51,7 +54,7 @@ NetworkOptions paper_networks() {
                .zero_at_origin = false,
                .form = "plain"};
   options.V = {.network = {.hidden = {128, 128, 128}, .activation = "elu", .bias = false}, .form = "scalar"};
-  options.B = {.network = {.hidden = {128, 128, 128}, .activation = "elu"}};
+  options.B = {.network = {.hidden = {128, 128, 128}, .activation = "elu"}, .wall_slope = 0.0};
   return options;
 }
 

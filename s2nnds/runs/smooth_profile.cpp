@@ -14,7 +14,7 @@ void make_smooth(Config& config) {
   config.networks.f.network = smooth_network({32, 32, 32});
   config.networks.V.network = {.hidden = {32, 32}};
   config.networks.V.features = 16;
-  config.networks.B.network = smooth_network({32, 32});
+  config.networks.B = {.network = smooth_network({32, 32}), .wall_slope = 0.0};
 
   TrainerOptions& training = config.training;
   training.steps = 500;

@@ -214,7 +214,7 @@ class Trainer::Impl {
     RandomStream start_v(seed_, "start/V"), start_b(seed_, "start/B");
     modules_.f = make_field(1);
     modules_.V = Lyapunov(problem.dimension(), networks.V, start_v);
-    modules_.B = Barrier(problem.dimension(), networks.B, start_b);
+    modules_.B = make_barrier(start_b);
     preparation_ = seconds_since(begin_);
   }
 
@@ -289,6 +289,16 @@ class Trainer::Impl {
     RandomStream start(seed_, "start/f", attempt);
     VectorField f(problem_.dimension(), network_options_.f, start);
     return f;
+  }
+
+  Barrier make_barrier(RandomStream& start) const {
+    const BarrierOptions& options = network_options_.B;
+    Barrier B(problem_.dimension(), options, start);
+    const LayerShape first = B->network->shapes().front();
+    const bool fits =
+        first.inputs == 2 && first.outputs > 4 && first.bias && first.activation == Activation::tanh;
+    if (options.wall_slope > 0.0 && fits) B->lay_along(problem_.contained, options.wall_slope);
+    return B;
   }
 
   bool report(const RoundSummary& row, const Trainer& owner) {
@@ -407,7 +417,7 @@ class Trainer::Impl {
     RandomStream start_v(seed_, "start/V", round), start_b(seed_, "start/B", round);
     warm_up();
     modules_.V = Lyapunov(problem_.dimension(), network_options_.V, start_v);
-    modules_.B = Barrier(problem_.dimension(), network_options_.B, start_b);
+    modules_.B = make_barrier(start_b);
   }
 
   // Of uniform points those that B does not hold safe, at least one.
