@@ -65,9 +65,9 @@ struct LyapunovOptions {
 // corners, so that it follows obstacles, and motions that pass them closely, at a small distance.
 struct BarrierOptions {
   MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};  // B itself
-  // In the plane, of tanh networks with biases: so steep, in 1 / normalised length, is one neuron for each side of the workspace
-  // at the start, which lies along that side. {B <= 0} then reaches closer to the edges; >= 0, 0: none. In space such a B
-  // took more rounds to certify.
+  // >= 0, in 1 / normalised length, 0: none. In the plane, where the first layer has tanh and biases, one neuron for each side of
+  // the box that is to hold {B <= 0} begins along that side, so steep: {B <= 0} comes closer to it. Elsewhere not in use; in
+  // space such a B took more rounds to certify.
   double wall_slope = 12.0;
 
   void visit(FieldVisitor& v);  // names the keys of `network` and its own
