@@ -100,7 +100,7 @@ SampleTensors quantities_at(Modules& networks, const BatchTensors& batch, Sample
 }
 
 LossValue autograd_loss(Modules& networks, const LossTable& table, const LossOptions& options,
-                        const BatchTensors& batch, Trains trains) {
+                        const BatchTensors& batch, const Trains& trains) {
   LossValue loss{.terms = {}, .total = torch::zeros({}, networks.f->network->theta.options())};
   for (const Samples set : all_samples) {
     const torch::Tensor& x = batch.points(set);

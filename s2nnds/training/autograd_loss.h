@@ -32,6 +32,6 @@ SampleTensors quantities_at(Modules& networks, const BatchTensors& batch, Sample
 
 // The loss by torch operations and autograd, which the fused engine is compared with.
 LossValue autograd_loss(Modules& networks, const LossTable& table, const LossOptions& options,
-                        const BatchTensors& batch, Trains trains = Trains::all);
+                        const BatchTensors& batch, const Trains& trains = {});
 
 }  // namespace s2nnds

@@ -88,7 +88,7 @@ struct FusedLoss<T>::Chunk {
 
 template <typename T>
 FusedLoss<T>::FusedLoss(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B,
-                        const LossTable& table, const LossOptions& options, Trains trains)
+                        const LossTable& table, const LossOptions& options, const Trains& trains)
     : shape_f_(f), shape_V_(V), options_(options), trains_(trains), f_(f.layers), V_(V.layers), B_(B.layers) {
   dimension_ = f_.inputs();
   check(f_.outputs() == dimension_ && V_.inputs() == dimension_ && B_.inputs() == dimension_ &&
@@ -361,14 +361,14 @@ void FusedLoss<T>::run_tile(Chunk& chunk, const Work& work, const BatchView<T>& 
     }
   }
 
-  T* along = trains_ == Trains::all ? chunk.part.data() : nullptr;
+  T* along = trains_.f ? chunk.part.data() : nullptr;
   const auto add_part = [&] {
     for (ptrdiff_t i = 0; i < rows * n; ++i) velocity_adjoint[i] += along[i];
   };
-  if (needs.any_V() && trains_ == Trains::all) {
+  if (needs.any_V() && trains_.V) {
     start_back_V(chunk, needs, rows);
     chunk.V.backward(chunk.features_adjoint.data(), chunk.tangent_adjoint.data(), along);
-    if (needs.V_dot) {
+    if (needs.V_dot && along) {
       for (ptrdiff_t i = 0; i < rows * n; ++i)
         velocity_adjoint[i] += static_cast<T>(2.0 * shape_V_.quadratic * chunk.adjoint(1)[i / n]) * x[i];
       add_part();
@@ -376,7 +376,7 @@ void FusedLoss<T>::run_tile(Chunk& chunk, const Work& work, const BatchView<T>& 
         velocity_adjoint[i] += chunk.tangent_adjoint[i];
     }
   }
-  if (needs.any_B()) {
+  if (needs.any_B() && trains_.B) {
     std::transform(chunk.adjoint(2), chunk.adjoint(2) + rows, chunk.barrier_adjoint.begin(),
                    [](double by) { return static_cast<T>(by); });
     std::transform(chunk.adjoint(3), chunk.adjoint(3) + rows, chunk.barrier_dot_adjoint.begin(),
@@ -384,7 +384,7 @@ void FusedLoss<T>::run_tile(Chunk& chunk, const Work& work, const BatchView<T>& 
     chunk.B.backward(chunk.barrier_adjoint.data(), chunk.barrier_dot_adjoint.data(), along);
     if (needs.B_dot && along) add_part();
   }
-  if (!needs.any_f() || trains_ == Trains::barrier) return;
+  if (!needs.any_f() || !trains_.f) return;
   for (ptrdiff_t i = 0; i < rows * n; ++i) chunk.f_origin_adjoint[i % n] -= velocity_adjoint[i];
   chunk.f.backward(velocity_adjoint, nullptr, nullptr);
 }
@@ -401,8 +401,9 @@ void FusedLoss<T>::run_origins() {
     tile.forward(1, origin_.data(), nullptr, value.data(), nullptr);
     tile.backward((chunk.*adjoint).data(), nullptr, nullptr);
   };
-  if (shape_f_.head == Head::zero_at_origin) go_back(chunk.f, &Chunk::f_origin_adjoint, f_at_origin_);
-  if (is_sum_of_squares(shape_V_.head)) go_back(chunk.V, &Chunk::V_origin_adjoint, V_at_origin_);
+  if (trains_.f && shape_f_.head == Head::zero_at_origin)
+    go_back(chunk.f, &Chunk::f_origin_adjoint, f_at_origin_);
+  if (trains_.V && is_sum_of_squares(shape_V_.head)) go_back(chunk.V, &Chunk::V_origin_adjoint, V_at_origin_);
 }
 
 template <typename T>
@@ -426,7 +427,7 @@ PerTerm<double> FusedLoss<T>::run(const T* theta_f, const T* theta_V, const T* t
   } else {
     parallel_for(kChunks, run_chunk);
   }
-  if (trains_ == Trains::all) run_origins();
+  run_origins();
 
   PerTerm<double> sums{};
   for (const auto& chunk : chunks_) {

@@ -36,14 +36,13 @@ class FusedLoss {
  public:
   // Makes the plan of the computation once; throws Error where the shapes do not fit each other.
   FusedLoss(const NetworkShape& f, const NetworkShape& V, const NetworkShape& B, const LossTable& table,
-            const LossOptions& options, Trains trains = Trains::all);
+            const LossOptions& options, const Trains& trains = {});
   ~FusedLoss();
   FusedLoss(const FusedLoss&) = delete;
   FusedLoss& operator=(const FusedLoss&) = delete;
 
   // Returns the terms, each with its weight applied, and writes the gradients of their sum in the flat
-  // parameters of f, V and B; those of f and V are zero when the barrier alone trains. Nothing is computed
-  // for a term of weight 0.
+  // parameters of f, V and B, zero for one that does not train. Nothing is computed for a term of weight 0.
   PerTerm<double> run(const T* theta_f, const T* theta_V, const T* theta_B, const BatchView<T>& batch,
                       T* gradient_f, T* gradient_V, T* gradient_B);
 

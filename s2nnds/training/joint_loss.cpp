@@ -37,7 +37,7 @@ NetworkShape shape_of(const Network& module) {
 
 template <typename T>
 std::unique_ptr<FusedLoss<T>> fused_loss(const Modules& m, const LossTable& table, const LossOptions& options,
-                                         Trains trains) {
+                                         const Trains& trains) {
   return std::make_unique<FusedLoss<T>>(shape_of(m.f), shape_of(m.V), shape_of(m.B), table, options, trains);
 }
 
@@ -50,7 +50,7 @@ Engine engine_from(std::string_view name) {
 }
 
 JointLoss::JointLoss(const Modules& networks, const LossTable& table, const LossOptions& options,
-                     Engine engine, Trains trains)
+                     Engine engine, const Trains& trains)
     : networks_(networks), table_(table), options_(options), trains_(trains) {
   if (engine == Engine::autograd) return;
   if (networks.f->network->theta.dtype() == torch::kFloat64) {

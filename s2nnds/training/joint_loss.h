@@ -25,7 +25,7 @@ class JointLoss {
   // Keeps the modules, and copies the table and the options. The fused engine takes its shapes from the
   // modules.
   JointLoss(const Modules& networks, const LossTable& table, const LossOptions& options, Engine engine,
-            Trains trains = Trains::all);
+            const Trains& trains = {});
 
   // The loss of one batch. Throws Error if the shapes or types of its tensors do not fit.
   LossValue operator()(const BatchTensors& batch);

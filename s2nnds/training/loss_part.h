@@ -104,17 +104,18 @@ struct LossPart {
 // All parts of a loss.
 using LossTable = std::vector<LossPart>;
 
-// Whose gradients are wanted.
-enum class Trains {
-  all,  // of f, V and B
-  // B alone; parts without B are left out.
-  barrier
+// Whose gradients are wanted; the others are constant. What trains f trains V and B, too: it moves what they hold of.
+struct Trains {
+  bool f = true, V = true, B = true;
+
+  static Trains barrier() { return {.f = false, .V = false, .B = true}; }
 };
 
 // Whether a part counts: its weight is not 0, and it concerns a network that trains. Nothing is computed for
 // other parts.
-inline bool applies(const LossPart& part, const LossOptions& options, Trains trains) {
-  return options.weight[part.term] > 0.0 && (trains == Trains::all || part.needs.any_B());
+inline bool applies(const LossPart& part, const LossOptions& options, const Trains& trains) {
+  return options.weight[part.term] > 0.0 &&
+         (trains.f || (trains.V && part.needs.any_V()) || (trains.B && part.needs.any_B()));
 }
 
 // The sum of a penalty over a tile, as LossPart::sum_float and sum_double want it.

@@ -56,7 +56,7 @@ constexpr double kFinetunedRate = 0.3;        // what is certified must stay nea
 constexpr double kFitted = 0.7;
 constexpr std::int64_t kFinetunedRounds = 4;
 
-constexpr std::int64_t kRepairs = 2;  // what f moved by little, B alone can follow
+constexpr std::int64_t kRepairs = 2;  // what f moved by little, V and B can follow
 
 // At first, at least and at most, see careful(). All labels are of points that B does not hold safe, so each counts
 // several times as much as one of any point.
@@ -201,7 +201,7 @@ RoundPlan search_plan(const History& history, const TrainerOptions& options) {
     press_less(kRelaxedRollouts, static_cast<double>(restarts.by_age));
   }
   if (all == 0 && std::ssize(history) <= options.barrier_rounds) {
-    plan.only_barrier = true;
+    plan.trains = Trains::barrier();
     weight[LossTerm::imitation] = weight[LossTerm::lyapunov] = weight[LossTerm::obstacle_normal] = 0.0;
     return plan;
   }
@@ -233,7 +233,7 @@ bool is_fitted(const History& history) {
 // What concerns B alone.
 RoundPlan enlarge_plan(const History& history, const TrainerOptions& options) {
   RoundPlan plan = {.stage = Stage::enlarge,
-                    .only_barrier = true,
+                    .trains = Trains::barrier(),
                     .undone_unless_clean = true,
                     .repairs = kEnlargedRepairs,
                     .rate = kEnlargedRate,
@@ -260,6 +260,10 @@ std::int64_t count_of(const RoundSummary& row, Condition condition) {
   return row.counts[static_cast<std::size_t>(condition)];
 }
 
+std::int64_t of_lyapunov(const RoundSummary& row) {
+  return count_of(row, Condition::lyapunov_positive) + count_of(row, Condition::lyapunov_decrease);
+}
+
 RoundPlan stage_plan(const History& history, const TrainerOptions& options) {
   if (!has_clean_round(history, options)) {
     if (history.back().round >= options.rounds) return {.finished = true};
@@ -283,17 +287,18 @@ RoundPlan stage_plan(const History& history, const TrainerOptions& options) {
 
 }  // namespace
 
-RoundPlan repair_plan(const RoundPlan& round, const TrainerOptions& options) {
+RoundPlan repair_plan(const RoundPlan& round, const RoundSummary& row, const TrainerOptions& options) {
   RoundPlan plan = enlarge_plan({RoundSummary{}}, options);
   plan.stage = round.stage;
   plan.undone_unless_clean = round.undone_unless_clean;
-  plan.loss.weight[LossTerm::rollout_safety] = round.loss.weight[LossTerm::rollout_safety];
+  plan.trains = {.f = false, .V = of_lyapunov(row) > 0, .B = row.counterexamples() > of_lyapunov(row)};
+  for (const LossTerm term : {LossTerm::lyapunov, LossTerm::rollout_safety})
+    plan.loss.weight[term] = round.loss.weight[term];
   return plan;
 }
 
 bool is_repairable(const RoundSummary& row) {
-  return !row.clean() && (row.counterexamples() < kNearlyClean || row.found_by_sampling == 0) &&
-         count_of(row, Condition::lyapunov_positive) + count_of(row, Condition::lyapunov_decrease) == 0;
+  return !row.clean() && (row.counterexamples() < kNearlyClean || row.found_by_sampling == 0);
 }
 
 bool has_clean_round(const History& history, const TrainerOptions& options) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "s2nnds/training/history.h"
+#include "s2nnds/training/loss_part.h"
 #include "s2nnds/training/trainer_options.h"
 
 namespace s2nnds {
@@ -17,12 +18,12 @@ struct RoundPlan {
   bool starts_anew = false;      // from the warm start's f, V and B drawn anew, rates at their full height
   bool labels_rollouts = false;  // fresh points are labelled by their rollouts first
   bool backtracks = false;       // motions that violate a condition are followed back first
-  bool only_barrier = false;     // f and V stay as they are
+  Trains trains = {};            // the networks that do not stay as they are
   bool undone_unless_clean = false;  // networks that do not end clean give way to those from before
   double largest_deviation =
       1.0;                   // as do those whose motions are farther from the demonstrations, as a share
   double may_lose = 1.0;     // and those whose {B <= 0} has lost more of its volume, as a share
-  std::int64_t repairs = 0;  // times that B alone is trained on what was found, before it is judged
+  std::int64_t repairs = 0;  // times that V and B are trained on what was found, before it is judged
   double rate = 1.0;         // factor of all rates
   LossOptions loss = {};     // with the weights of this round
 };
@@ -45,11 +46,12 @@ struct RoundPlan {
 // more careful. Throws Error if the history is empty.
 RoundPlan plan(const std::vector<RoundSummary>& history, const TrainerOptions& options);
 
-// What follows a round that ended nearly clean but for conditions on B, as often as its `repairs` say: B
-// alone is trained for half as many steps on what was found.
-RoundPlan repair_plan(const RoundPlan& round, const TrainerOptions& options);
+// What follows a round that ended nearly clean, as `row` says, as often as its `repairs` say: of V and B those whose
+// conditions are violated are trained for half as many steps on what was found, f is not. What holds of the other stays
+// true.
+RoundPlan repair_plan(const RoundPlan& round, const RoundSummary& row, const TrainerOptions& options);
 
-// Whether few enough counterexamples are left, all of conditions on B alone, for a repair.
+// Whether few enough counterexamples are left for a repair.
 bool is_repairable(const RoundSummary& row);
 
 // Whether the search has ended with a clean round. All later ones keep it so.

@@ -161,12 +161,12 @@ bool keeps(const RoundPlan& round, const RoundSummary& row) {
 // The optimisers of a round. Each round starts afresh, so that a checkpoint needs no optimiser state.
 class Descent {
  public:
-  Descent(const Modules& modules, const TrainerOptions& options, bool only_barrier)
-      : parameters_{modules.f->network->theta, modules.V->network->theta, modules.B->network->theta},
+  Descent(const Modules& modules, const TrainerOptions& options, const Trains& trains)
+      : trained_{trains.f, trains.V, trains.B},
+        parameters_{modules.f->network->theta, modules.V->network->theta, modules.B->network->theta},
         rates_{options.rate_f, options.rate_certificates, options.rate_certificates},
-        optimizers_{FlatAdam(options.weight_decay), FlatAdam(0.0), FlatAdam(0.0)},
-        first_trained_(only_barrier ? 2 : 0) {
-    if (only_barrier || modules.V->head() != Head::diffeomorphism) return;
+        optimizers_{FlatAdam(options.weight_decay), FlatAdam(0.0), FlatAdam(0.0)} {
+    if (!trains.V || modules.V->head() != Head::diffeomorphism) return;
     limit_.emplace(modules.V->network->shapes(), modules.V->lipschitz());
     limit_->keep(parameters_[1].data_ptr<float>(), kFirstIterations);
   }
@@ -175,7 +175,8 @@ class Descent {
   void step(const torch::Tensor& loss, double factor) {
     for (torch::Tensor& parameter : parameters_) parameter.mutable_grad() = torch::Tensor();
     loss.backward();
-    for (std::size_t k = first_trained_; k < parameters_.size(); ++k) {
+    for (std::size_t k = 0; k < parameters_.size(); ++k) {
+      if (!trained_[k]) continue;
       optimizers_[k].step(factor * rates_[k], parameters_[k].numel(), parameters_[k].grad().data_ptr<float>(),
                           parameters_[k].data_ptr<float>());
     }
@@ -187,10 +188,10 @@ class Descent {
   }
 
  private:
-  std::array<torch::Tensor, 3> parameters_;  // of f, V and B
+  std::array<bool, 3> trained_;  // of f, V and B, as what follows
+  std::array<torch::Tensor, 3> parameters_;
   std::array<double, 3> rates_;
   std::array<FlatAdam, 3> optimizers_;
-  std::size_t first_trained_;
   std::optional<LipschitzLimit> limit_;  // of V's layers
 };
 
@@ -329,7 +330,7 @@ class Trainer::Impl {
     seek_backtracked(now);
     sampler_.set_draws_beside(!now.undone_unless_clean);
     if (now.starts_anew) start_anew(round);
-    descend(row, now, now.only_barrier ? options_.enlarge_steps : options_.steps, 0);
+    descend(row, now, now.trains.f ? options_.steps : options_.enlarge_steps, 0);
     const double weight = now.loss.weight[LossTerm::imitation];
     row.mse = weight > 0.0 ? row.loss_terms[LossTerm::imitation] / weight : history_.back().mse;
     return row;
@@ -338,9 +339,8 @@ class Trainer::Impl {
   // The steps of a round, or of its k-th repair. Adds their mean losses to the row.
   void descend(RoundSummary& row, const RoundPlan& now, std::int64_t steps, std::int64_t repair) {
     const std::int64_t round = row.round + (repair << 32);
-    Descent descent(modules_, options_, now.only_barrier);
-    JointLoss loss(modules_, loss_table(now.loss), now.loss, engine_from(options_.engine),
-                   now.only_barrier ? Trains::barrier : Trains::all);
+    Descent descent(modules_, options_, now.trains);
+    JointLoss loss(modules_, loss_table(now.loss), now.loss, engine_from(options_.engine), now.trains);
     RandomStream random(seed_, "batches", round), candidates(seed_, "near band", round);
     const auto seeks_band = [](std::int64_t step) { return step % kBandRefresh == 0; };
     const auto draw = [&] { return transform<torch::Tensor>(sampler_.draw(random), tensor); };
@@ -365,10 +365,11 @@ class Trainer::Impl {
     descent.finish();
   }
 
-  // B alone is trained on what the search after the round found, and the search made anew.
+  // V and B are trained on what the search after the round found, and the search made anew.
   void repair(RoundSummary& row, const RoundPlan& round, std::int64_t k) {
-    descend(row, repair_plan(round, options_), std::max<std::int64_t>(1, options_.steps / 2), k);
-    choose_level(row.round + (k << 32));
+    const RoundPlan plan = repair_plan(round, row, options_);
+    descend(row, plan, std::max<std::int64_t>(1, options_.steps / 2), k);
+    if (plan.trains.B) choose_level(row.round + (k << 32));
     search_anew(row);
   }
 
@@ -452,8 +453,7 @@ class Trainer::Impl {
       found = backtrack(networks(), problem_, sampler_.pools().workspace, sampler_.position(),
                         sampler_.velocity(), {.level_band = options_.level_band});
     }
-    if (corrections && !now.only_barrier)
-      append(found, corrections(networks().dynamics(), std::ssize(history_)));
+    if (corrections && now.trains.f) append(found, corrections(networks().dynamics(), std::ssize(history_)));
     sampler_.set_backtracked(std::move(found));
   }
 

@@ -58,10 +58,10 @@ std::string told(const RoundPlan& next, const TrainerOptions& options) {
   if (next.starts_anew) text += ", starts anew";
   if (next.labels_rollouts) text += ", labels";
   if (next.backtracks) text += ", backtracks";
-  if (next.only_barrier) text += ", only B";
+  if (!next.trains.f) text += ", only B";
   if (next.undone_unless_clean) text += ", may be undone";
   if (next.may_lose < 1.0) text += fmt::format(", may lose {:.3g}", next.may_lose);
-  const bool usual = next.stage == Stage::search && options.refine && !next.only_barrier;
+  const bool usual = next.stage == Stage::search && options.refine && next.trains.f;
   if (next.repairs != (usual ? 2 : 0)) text += fmt::format(", {} repairs", next.repairs);
   text += fmt::format("; rate {:.4g}", next.rate);
   for (const LossTerm term : all_loss_terms) {
@@ -90,7 +90,8 @@ const std::string kSearch = "search, labels, backtracks; rate ",
 // May lose a share of {B <= 0}.
 std::string enlarge(double loss, const std::string& rollouts) {
   return fmt::format(
-      "enlarge, labels, only B, may be undone, may lose {:.3g}, 1 repairs; rate 0.5, imitation 0, lyapunov 0, "
+      "enlarge, labels, only B, may be undone, may lose {:.3g}, 1 repairs; rate 0.5, imitation 0, lyapunov "
+      "0, "
       "barrier_sets 2, barrier_decrease 2{}, obstacle_normal 0",
       loss, rollouts);
 }
@@ -202,6 +203,28 @@ TEST(Plan, RefinesWhatIsNearlyCleanFourTimesInARow) {
        {"a bad round ends the row", 4 * kBad + Rounds{kFew, kBad}, kSearch + "0.5314"}});
   options.refine = false;
   expect_plans(options, {{"off", 4 * kBad + Rounds{kFew}, kSearch + "0.5905"}});
+}
+
+// f stays, so that what holds of V stays true while B trains, and the other way round.
+TEST(Plan, RepairsOnlyWhatIsViolated) {
+  const TrainerOptions options;
+  const RoundPlan round = plan(history_of(2 * kBad), options);
+  const auto repaired = [&](std::int64_t of_V, std::int64_t of_B) {
+    RoundSummary row{.round = 1};
+    row.counts[static_cast<std::size_t>(Condition::lyapunov_decrease)] = of_V;
+    row.counts[static_cast<std::size_t>(Condition::barrier_decrease)] = of_B;
+    row.found_by_sampling = of_V + of_B;
+    EXPECT_EQ(is_repairable(row), of_V + of_B > 0 && of_V + of_B < 200);
+    const RoundPlan repair = repair_plan(round, row, options);
+    EXPECT_FALSE(repair.trains.f);
+    EXPECT_EQ(repair.loss.weight[LossTerm::lyapunov], options.loss.weight[LossTerm::lyapunov]);
+    return std::pair{repair.trains.V, repair.trains.B};
+  };
+  EXPECT_EQ(repaired(3, 0), std::pair(true, false));
+  EXPECT_EQ(repaired(0, 3), std::pair(false, true));
+  EXPECT_EQ(repaired(3, 3), std::pair(true, true));
+  repaired(150, 50);
+  repaired(0, 0);
 }
 
 TEST(Plan, FineTunesAfterTheFirstCleanRoundAndIsMoreCarefulAfterFailures) {
