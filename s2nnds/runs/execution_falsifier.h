@@ -2,34 +2,28 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 
 #include "s2nnds/conditions/execution_model.h"
-#include "s2nnds/networks/network_weights.h"
 #include "s2nnds/training/counterexample.h"
+#include "s2nnds/verification/rounding_error.h"
 
 namespace s2nnds {
 
-// Asks whether {B <= 0} is invariant for motions as the robot executes them, with f evaluated in float32, so
-// that the guarantee speaks of the exported policy too; where nothing is known of the robot, whether the
-// barrier withstands disturbances as large as that error of f. Boxes where it stays open go back into
-// training. To be added behind the ProofSource, whose conditions it presumes.
+// Asks whether {B <= 0} is invariant for motions as the robot executes them, with f evaluated in float32. Boxes where it
+// stays open go back into training. To be added behind the ProofSource, whose conditions it presumes.
 class ExecutionFalsifier : public CounterexampleSource {
  public:
   // `keep`: points that are handed on, at most.
-  explicit ExecutionFalsifier(const ExecutionModel& model = {}, std::int64_t keep = counterexamples_kept)
+  explicit ExecutionFalsifier(const ExecutionModel& model, std::int64_t keep = counterexamples_kept)
       : model_(model), keep_(keep) {}
   bool only_when_clean() const override { return true; }
   Counterexamples find(const Networks& networks, const SafetyProblem& problem, double level_band,
                        std::uint64_t seed, std::int64_t round) override;
 
  private:
-  double error_of(const Networks& networks, const Box& workspace);
-
   ExecutionModel model_;
   std::int64_t keep_;  // points that are handed on
-  std::string field_;  // hash of the f whose error is known
-  double error_ = 0.0;
+  Float32Error field_error_;
 };
 
 }  // namespace s2nnds

@@ -16,6 +16,10 @@
 namespace s2nnds {
 namespace {
 
+// In space the band |B| <= eps_B holds few of uniform samples, and moving so many points onto it costs a tenth of the
+// proof that would find the same violations.
+constexpr std::int64_t kBandSamples = 3000;
+
 // Limits of the proofs within training. What succeeds takes a tenth of the boxes; what does not would go on to
 // any limit, and a few hundred points of violations are all that a round can use.
 ProofOptions quick_proof(const Config& config, std::int64_t dimension) {
@@ -41,19 +45,23 @@ TrainerSummary train(const PreparedRun& setup, RunRecord& record, const Training
       .samples = std::max<std::int64_t>(1, config.training.samples / (proves ? 10 : 1)),
       .execution = options.loss.execution};
   trainer.add_source(std::make_shared<RandomFalsifier>(setup.problem, search));
+  // What leaves less than half of a margin is trained on as if it were a violation.
+  const double half_decrease = 0.5 * options.loss.margin_barrier_decrease;
   if (proves) {
+    if (setup.problem.dimension() > 2)
+      trainer.add_source(std::make_shared<BandFalsifier>(kBandSamples, half_decrease));
     trainer.add_source(std::make_shared<ProofSource>(quick_proof(config, setup.problem.dimension())));
-    trainer.add_source(std::make_shared<ExecutionFalsifier>(options.loss.execution.model));
+    const ExecutionModel& model = options.loss.execution.model;
+    if (!model.is_ideal()) trainer.add_source(std::make_shared<ExecutionFalsifier>(model));
   } else {
     trainer.add_source(std::make_shared<LocalSearchFalsifier>(setup.problem, search));
     if (setup.problem.dimension() > most_proved_dimensions) {
-      // What leaves less than half of a margin is trained on as if it were a violation. The rate on the band is the
-      // roughest of the residuals.
+      // The rate on the band is the roughest of the residuals.
       const LossOptions& loss = options.loss;
       const std::int64_t samples = std::max<std::int64_t>(1, config.training.samples / 10);
       trainer.add_source(std::make_shared<RegionFalsifier>(setup.problem, samples, 0.5 * loss.margin_initial,
                                                            0.5 * loss.margin_unsafe));
-      trainer.add_source(std::make_shared<BandFalsifier>(3 * samples, 0.5 * loss.margin_barrier_decrease));
+      trainer.add_source(std::make_shared<BandFalsifier>(3 * samples, half_decrease));
     }
   }
   trainer.set_rollout_labels(

@@ -71,13 +71,8 @@ class Search {
   Search(const ProofFunctions& functions, const SafetyProblem& problem)
       : functions_(functions), problem_(problem) {
     limits_.max_boxes = most_boxes;
-    keep(0);
-  }
-
-  // Failing boxes to come back; one that fails is enough to end a step.
-  void keep(std::int64_t boxes) {
-    limits_.kept_boxes = boxes;
-    limits_.max_abandoned = std::max<std::int64_t>(boxes, 1);
+    limits_.max_abandoned = 1;  // one that fails is enough to end a step
+    limits_.kept_boxes = 0;
   }
 
   // Whether the barrier withstands the disturbance. If so, the cover does; it can only become finer.
@@ -101,12 +96,10 @@ class Search {
   // A cover on which Bdot < 0; none if that cannot be shown.
   std::optional<LevelSetCover> cover() {
     LevelSetCover found;
-    if (!from_the_workspace(0.0, found).proved) return std::nullopt;
-    return found;
-  }
-  BranchResult from_the_workspace(double disturbance, LevelSetCover& found) {
     const Box& workspace = problem_.workspace;
-    return refine(workspace.lower.transpose(), workspace.upper.transpose(), disturbance, found);
+    if (!refine(workspace.lower.transpose(), workspace.upper.transpose(), 0.0, found).proved)
+      return std::nullopt;
+    return found;
   }
 
   void limit_boxes(std::int64_t boxes) { limits_.max_boxes = std::min(most_boxes, boxes); }
@@ -154,18 +147,6 @@ class Search {
   Stopwatch watch_;
 };
 
-// What is found out without looking.
-BranchResult all_open(const Box& workspace) {
-  BranchResult result;
-  result.stopped = true;
-  result.open_boxes = 1;
-  result.open_lower = workspace.lower.transpose();
-  result.open_upper = workspace.upper.transpose();
-  result.open_volume = (workspace.upper - workspace.lower).prod();
-  result.witnesses = Points(0, workspace.dimension());
-  return result;
-}
-
 }  // namespace
 
 DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem) {
@@ -194,17 +175,6 @@ DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const Safe
   result.boxes = search.boxes();
   result.seconds = search.seconds();
   return result;
-}
-
-BranchResult prove_under_disturbance(const ProofFunctions& functions, const SafetyProblem& problem,
-                                     double disturbance, std::int64_t kept_boxes) {
-  check(disturbance >= 0.0, "proof under disturbance: the disturbance is {}, expected >= 0", disturbance);
-  const StandardFloatingPoint mode;
-  if (!functions.beyond_range(problem.workspace).empty()) return all_open(problem.workspace);
-  Search search(functions, problem);
-  search.keep(kept_boxes);
-  LevelSetCover cover;
-  return search.from_the_workspace(disturbance, cover);
 }
 
 double convergence_radius(const ProofFunctions& functions, const SafetyProblem& problem, double disturbance) {

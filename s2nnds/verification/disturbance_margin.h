@@ -27,11 +27,6 @@ struct DisturbanceMargin {
 // The largest disturbance that the barrier provably withstands, by bisection. Sound in floating point.
 DisturbanceMargin disturbance_margin(const ProofFunctions& functions, const SafetyProblem& problem);
 
-// Whether {B <= 0} withstands every |w|_2 <= disturbance (>= 0): grad B . f + disturbance |grad B|_2 < 0
-// wherever B = 0. At most `kept_boxes` boxes where that stays open come back.
-BranchResult prove_under_disturbance(const ProofFunctions& functions, const SafetyProblem& problem,
-                                     double disturbance, std::int64_t kept_boxes);
-
 // The radius of the ball that motions under |w|_2 <= disturbance converge to while they stay in {B <= 0}.
 double convergence_radius(const ProofFunctions& functions, const SafetyProblem& problem, double disturbance);
 

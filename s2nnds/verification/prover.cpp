@@ -14,6 +14,7 @@
 #include "s2nnds/verification/network_function.h"
 #include "s2nnds/verification/rounding.h"
 #include "s2nnds/verification/standard_floating_point.h"
+#include "s2nnds/verification/tile_examiner.h"
 
 namespace s2nnds {
 namespace {
@@ -39,7 +40,8 @@ struct Statement {
   const ProofFunctions& functions;
   const SafetyProblem& problem;
   double level_band;
-  double goal_cube;  // proved already for 0 < |x|_inf <= goal_cube
+  double goal_cube;          // proved already for 0 < |x|_inf <= goal_cube
+  double disturbance = 0.0;  // of f, which Bdot < 0 must withstand
 };
 
 Box box_of(const Points& lower, const Points& upper, Eigen::Index row) {
@@ -73,8 +75,9 @@ class ConditionExaminer final : public BoxExaminer {
       const TileForm form = evaluate();
       const TileRow worst = upper_residual(form), best = lower_residual(form);
       std::optional<TileRow> where_asked;
+      work_.setZero();
       const auto holds_in = [&](Eigen::Index lane) {
-        if (holds(worst(lane))) return true;
+        if (statement_.disturbance == 0.0 && holds(worst(lane))) return true;
         if (!is_in_band() && set() == nullptr) return false;
         if (!where_asked) where_asked = upper_where_asked(form, tile_rows, batch.first);
         return holds((*where_asked)(lane));
@@ -208,9 +211,27 @@ class ConditionExaminer final : public BoxExaminer {
   }
   // Above the residual where the condition asks for something.
   TileRow upper_where_asked(const TileForm& form, const std::vector<Eigen::Index>& tile_rows,
-                            Eigen::Index first) const {
-    if (is_in_band()) return upper_within(form, barrier_of(tile_rows, first), statement_.level_band, tile_);
+                            Eigen::Index first) {
+    if (is_in_band()) {
+      const TileForm barrier = barrier_of(tile_rows, first);
+      const TileRow upper = upper_within(form, barrier, statement_.level_band, tile_);
+      TileRow slope;  // at the centres, about
+      for (const TileRow& row : barrier.gradient) slope += row.square();
+      work_ = statement_.disturbance * slope.sqrt();
+      if (!(upper + work_ < 0.0).any()) return upper.max(0.0);  // no bound is needed
+      work_ = most_work();
+      return upper + work_;
+    }
     return upper_below(negated_ ? form.negative() : form, halfspaces(), tile_);
+  }
+  // Above and below what the worst disturbance adds to Bdot, at each place of the boxes in tile_.
+  TileRow most_work() {
+    if (statement_.disturbance == 0.0) return {};
+    return statement_.disturbance * gradient_norm(enclosure_, tile_) * slack;
+  }
+  TileRow least_work() {
+    if (statement_.disturbance == 0.0) return {};
+    return statement_.disturbance * least_gradient_norm(enclosure_, tile_) / slack;
   }
   // normal . x - offset <= 0 for the points of the set in each box; 0 where no half-space is known.
   TileForm halfspaces() const {
@@ -264,7 +285,7 @@ class ConditionExaminer final : public BoxExaminer {
     const double sign = negated_ ? -1.0 : 1.0;
     Vector point(tile_.dimension());
     for (Eigen::Index d = 0; d < point.size(); ++d) point(d) = tile_.center[d](lane);
-    if (!(sign * form.value(lane) > 0.0)) {
+    if (!(sign * form.value(lane) + work_(lane) > 0.0)) {
       point = form.extreme_point(tile_, lane, sign);
       if (!(sign * form.polynomial(tile_, lane, point) > form.remainder(lane))) return;
     }
@@ -284,7 +305,7 @@ class ConditionExaminer final : public BoxExaminer {
         const TileForm& barrier = enclosure_.value(tile_);
         size = barrier.upper(tile_).max(-barrier.lower(tile_));
       }
-      const TileRow violation = lower_residual(evaluate());
+      const TileRow violation = lower_residual(evaluate()) + least_work();
       for (std::size_t i = 0; i < count; ++i) {
         const Candidate& candidate = candidates[first + i];
         const auto lane = static_cast<Eigen::Index>(i);
@@ -310,6 +331,7 @@ class ConditionExaminer final : public BoxExaminer {
   std::vector<Box> asked_;          // the boxes in tile_
   std::vector<TileForm> barriers_;  // of a batch, tile by tile
   std::vector<Place> places_;       // in them, of each row of the batch
+  TileRow work_;                    // most_work of tile_ or about as much, where it was asked for; else 0
   bool negated_, along_field_;
   ScalarEnclosure enclosure_;
   BoxTile tile_;
@@ -495,12 +517,15 @@ const ConditionProof& ProofResult::operator[](Condition condition) const {
   return *found;
 }
 
-ConditionProof prove_condition(Condition condition, const ProofFunctions& functions,
-                               const SafetyProblem& problem, double level_band, const ProofOptions& options,
-                               const ProofProgress& progress) {
+namespace {
+
+ConditionProof prove_one(Condition condition, const ProofFunctions& functions, const SafetyProblem& problem,
+                         double level_band, double disturbance, const ProofOptions& options,
+                         const ProofProgress& progress) {
   validate(options);
   check_dimensions(functions, problem);
   check(level_band >= 0.0, "proof: level_band is {}, expected >= 0", level_band);
+  check(disturbance >= 0.0, "proof: the disturbance is {}, expected >= 0", disturbance);
   const Stopwatch watch;
   const StandardFloatingPoint mode;
   ConditionProof proof;
@@ -514,13 +539,27 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
     limits.max_seconds = options.max_seconds - watch.seconds();
     if (problem.dimension() > kPatientDimensions)
       limits.max_expected = static_cast<double>(options.max_boxes);
-    proof = decide({condition, functions, problem, level_band, cube}, limits, progress);
+    proof = decide({condition, functions, problem, level_band, cube, disturbance}, limits, progress);
     proof.goal_cube = cube;
   }
   proof.verdict.condition = condition;
   proof.verdict.method = Method::proof;
   proof.verdict.seconds = watch.seconds();
   return proof;
+}
+
+}  // namespace
+
+ConditionProof prove_condition(Condition condition, const ProofFunctions& functions,
+                               const SafetyProblem& problem, double level_band, const ProofOptions& options,
+                               const ProofProgress& progress) {
+  return prove_one(condition, functions, problem, level_band, 0.0, options, progress);
+}
+
+ConditionProof prove_barrier_decrease(const ProofFunctions& functions, const SafetyProblem& problem,
+                                      double level_band, double disturbance, const ProofOptions& options) {
+  return prove_one(Condition::barrier_decrease, functions, problem, level_band, disturbance, options,
+                   nullptr);
 }
 
 ProofResult prove(const ProofFunctions& functions, const SafetyProblem& problem, double level_band,

@@ -89,4 +89,9 @@ ConditionProof prove_condition(Condition condition, const ProofFunctions& functi
                                const SafetyProblem& problem, double level_band,
                                const ProofOptions& options = {}, const ProofProgress& progress = nullptr);
 
+// barrier_decrease alone, for every motion xdot = f(x) + d with |d| <= disturbance (normalised velocity, >= 0).
+ConditionProof prove_barrier_decrease(const ProofFunctions& functions, const SafetyProblem& problem,
+                                      double level_band, double disturbance,
+                                      const ProofOptions& options = {});
+
 }  // namespace s2nnds

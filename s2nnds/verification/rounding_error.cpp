@@ -142,4 +142,11 @@ double float64_error(const NetworkWeights& network, const Box& box) {
   return largest_error(network, twice, box);
 }
 
+double Float32Error::of(const NetworkWeights& network, const Box& box) {
+  std::string hash = weight_hash({network, {}, {}});
+  if (hash != network_) error_ = float32_error(network, box);
+  network_ = std::move(hash);
+  return error_;
+}
+
 }  // namespace s2nnds

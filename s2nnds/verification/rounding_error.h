@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "s2nnds/networks/network_weights.h"
 #include "s2nnds/problem/box.h"
 
@@ -13,5 +15,15 @@ namespace s2nnds {
 // sums of squares and for a box that is unbounded or of another dimension.
 double float32_error(const NetworkWeights& network, const Box& box);
 double float64_error(const NetworkWeights& network, const Box& box);
+
+// float32_error over one box, which is not computed again while the network stays as it is.
+class Float32Error {
+ public:
+  double of(const NetworkWeights& network, const Box& box);
+
+ private:
+  std::string network_;  // hash of the last one
+  double error_ = 0.0;
+};
 
 }  // namespace s2nnds

@@ -20,6 +20,16 @@ TileRow gradient_norm(ScalarEnclosure& function, const BoxTile& tile) {
   return sum.sqrt() * slack;
 }
 
+TileRow least_gradient_norm(ScalarEnclosure& function, const BoxTile& tile) {
+  const TileModels& gradient = function.gradient(tile);
+  TileRow sum;
+  for (Eigen::Index d = 0; d < tile.dimension(); ++d) {
+    const TileRow varies = (gradient.spread(d, tile) + gradient.deviation(d, tile)) * slack + underflow;
+    sum += (gradient.value(d).abs() - varies).max(0.0).square();
+  }
+  return sum.sqrt() / (slack * slack);
+}
+
 void raise_to(std::atomic<double>& value, double candidate) {
   if (std::isnan(candidate)) candidate = std::numeric_limits<double>::infinity();
   double seen = value;

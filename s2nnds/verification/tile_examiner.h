@@ -10,8 +10,9 @@
 
 namespace s2nnds {
 
-// Above |grad y|_2 on each box of the tile.
+// Above, and below, |grad y|_2 at every place of each box of the tile.
 TileRow gradient_norm(ScalarEnclosure& function, const BoxTile& tile);
+TileRow least_gradient_norm(ScalarEnclosure& function, const BoxTile& tile);
 
 // Raises the value to the candidate where that is larger; NaN counts as infinite. For several threads.
 void raise_to(std::atomic<double>& value, double candidate);

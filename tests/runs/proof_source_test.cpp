@@ -22,6 +22,41 @@ TEST(ProofSource, FindsNothingWhereAllIsProved) {
   EXPECT_GT(found.samples[kDecrease], 0);
 }
 
+TEST(ProofSource, AsksAgainOnlyWhatNetworksThatHaveChangedConcern) {
+  ProofSource source(ProofOptions::fail_fast(), 100);
+  Networks networks = simple_networks();
+  find(source, networks);
+  EXPECT_EQ(find(source, networks).samples, decltype(Counterexamples::samples){});
+  networks.V.quadratic *= 1.5;
+  const Counterexamples again = find(source, networks);
+  EXPECT_EQ(again.samples[kBarrier], 0);
+  EXPECT_GT(again.samples[kDecrease], 0);
+}
+
+// -x as the difference of large numbers, which float32 cannot tell from 0.
+NetworkWeights cancelling_field(double size) {
+  Points inner(4, 2), outer(2, 4);
+  inner << Points::Identity(2, 2), Points::Identity(2, 2);
+  outer << size * Points::Identity(2, 2), -(size + 1.0) * Points::Identity(2, 2);
+  NetworkWeights f;
+  f.layers = {layer(inner, Vector(), Activation::identity), layer(outer, Vector(), Activation::identity)};
+  f.head = Head::zero_at_origin;
+  return f;
+}
+
+TEST(ProofSource, AsksThatTheBarrierCoversTheErrorOfFloat32) {
+  ProofSource source(ProofOptions::fail_fast(), 20);
+  Networks networks = simple_networks();
+  EXPECT_EQ(find(source, networks).total(), 0);
+  networks.f = cancelling_field(1e7);  // another field, another error
+  const Counterexamples found = find(source, networks);
+  ASSERT_GT(found.counts[kBarrier], 0);
+  ASSERT_EQ(found.points[kBarrier].rows(), 20);
+  EXPECT_LT(networks.B.value(found.points[kBarrier]).cwiseAbs().maxCoeff(), 0.5);
+  ProofSource fresh(ProofOptions::fail_fast(), 20);
+  EXPECT_EQ(find(fresh, networks).points[kBarrier], found.points[kBarrier]);
+}
+
 TEST(ProofSource, DoesNotAskAgainWhetherVDecreasesWhileFAndVStayAsTheyWere) {
   ProofSource source(ProofOptions::fail_fast(), 100);
   Networks networks = simple_networks();

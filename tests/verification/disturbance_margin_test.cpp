@@ -63,19 +63,30 @@ TEST(DisturbanceMargin, IsKnownWhereTheBarrierRisesNextToItsLevelSet) {
   }
 }
 
-TEST(DisturbanceMargin, OneDisturbanceIsDecidedAlone) {
-  const ProofFunctions functions = contracting(0.5);
-  EXPECT_TRUE(prove_under_disturbance(functions, plain_problem(), 0.49, 10).proved);
-  const BranchResult open = prove_under_disturbance(functions, plain_problem(), 0.52, 10);
-  EXPECT_FALSE(open.proved);
-  ASSERT_GT(open.open_lower.rows(), 0);
-  ASSERT_LE(open.open_lower.rows(), 10);
-  for (Eigen::Index row = 0; row < open.open_lower.rows(); ++row) {
-    // Around (+-0.5, 0), where the ellipse is nearest to the centre.
-    EXPECT_NEAR(std::abs(open.open_lower(row, 0)), 0.5, 0.12);
-    EXPECT_NEAR(open.open_lower(row, 1), 0.0, 0.5);
+// One disturbance alone, where B = 0 and in a band around it. On the level c Bdot = -2 (1 + c), and |grad B| is at most
+// 2 sqrt(1 + c) / a: the ellipse withstands a sqrt(1 + c).
+TEST(BarrierDecrease, WithstandsWhatAnEllipseDoes) {
+  constexpr double a = 0.5, band = 0.1;
+  const ProofFunctions functions = contracting(a);
+  const double on_band = a * std::sqrt(1.0 - band);
+  EXPECT_TRUE(prove_barrier_decrease(functions, plain_problem(), 0.0, 0.99 * a).is_proved());
+  EXPECT_TRUE(prove_barrier_decrease(functions, plain_problem(), band, 0.99 * on_band).is_proved());
+  for (const auto& [level, disturbance] : {std::pair{0.0, 1.01 * a}, std::pair{band, 1.02 * on_band}}) {
+    const ConditionProof open =
+        prove_barrier_decrease(functions, plain_problem(), level, disturbance, ProofOptions::fail_fast());
+    ASSERT_FALSE(open.is_proved());
+    ASSERT_EQ(open.verdict.verdict, level > 0.0 ? Verdict::refuted : Verdict::undecided);
+    for (Eigen::Index row = 0; row < open.witnesses.rows(); ++row) {
+      const double x = open.witnesses(row, 0), y = open.witnesses(row, 1);
+      const double slope = 2.0 * std::hypot(x / (a * a), y), rate = -2.0 * (x * x / (a * a) + y * y);
+      EXPECT_LE(std::abs(x * x / (a * a) + y * y - 1.0), level);
+      EXPECT_GE(rate + disturbance * slope, -1e-12);
+    }
   }
-  EXPECT_ANY_THROW(prove_under_disturbance(functions, plain_problem(), -1.0, 10));
+  EXPECT_ANY_THROW(prove_barrier_decrease(functions, plain_problem(), 0.0, -1.0));
+  EXPECT_FALSE(prove_barrier_decrease(functions, plain_problem(), 0.0,
+                                      std::numeric_limits<double>::infinity(), ProofOptions::fail_fast())
+                   .is_proved());
 }
 
 // Vdot + 2 |x| w < 0 iff |x| > w.
@@ -111,11 +122,11 @@ TEST(DisturbanceMargin, NothingIsCertifiedOfWeightsBeyondTheRangeWhenCalledAlone
   const SafetyProblem problem = plain_problem();
   ASSERT_EQ(functions(1.0).beyond_range(problem.workspace), "");
   EXPECT_GT(disturbance_margin(functions(1.0), problem).margin, 0.7);
-  EXPECT_TRUE(prove_under_disturbance(functions(1.0), problem, 0.1, 10).proved);
+  EXPECT_TRUE(prove_barrier_decrease(functions(1.0), problem, 0.0, 0.1).is_proved());
   EXPECT_LT(convergence_radius(functions(1.0), problem, 0.1), 1.25);
   ASSERT_NE(functions(1e160).beyond_range(problem.workspace), "");
   EXPECT_EQ(disturbance_margin(functions(1e160), problem).margin, 0.0);
-  EXPECT_FALSE(prove_under_disturbance(functions(1e160), problem, 0.1, 10).proved);
+  EXPECT_FALSE(prove_barrier_decrease(functions(1e160), problem, 0.0, 0.1).is_proved());
   EXPECT_EQ(convergence_radius(functions(1e160), problem, 0.1), std::numeric_limits<double>::infinity());
 }
 
