@@ -66,6 +66,16 @@ Points stacked(const Points& a, const Points& b) {
   return all;
 }
 
+// Of demonstrations through the obstacle, what lies deep inside it was kept.
+Points outside(const Region& unsafe, const Points& points) {
+  const Vector level = unsafe.level(points);
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    if (level[i] > 0.0) rows.push_back(i);
+  }
+  return points(rows, Eigen::all);
+}
+
 void append(Points& pool, const Points& more) {
   if (more.rows() == 0) return;
   Points all(pool.rows() + more.rows(), more.cols());
@@ -110,10 +120,11 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
     const Vector x = all_position.row(i);
     if (margin == 0.0 || !may_meet(*problem.unsafe, {x - reach, x + reach}, kBisections)) kept.push_back(i);
   }
-  if (problem.has_phase()) path_ = phase_path(problem, demonstrations);
   drawn_ = std::ssize(kept);
   position_ = all_position(kept, Eigen::all);
   velocity_ = stacked(velocity, beside.velocity)(kept, Eigen::all);
+  path_ = problem.has_phase() ? phase_path(problem, demonstrations)
+                              : outside(*problem.unsafe, position_.topRows(shown_));
   jitter_ = (problem.initial->level(position_).array() <= 0.0)
                 .select(Vector::Constant(position_.rows(), options_.start_jitter), 0.0);
   if (options.loss.weight[LossTerm::obstacle_normal] > 0.0) {
@@ -191,7 +202,7 @@ Batch BatchSampler::draw(RandomStream& random) const {
     return x;
   };
   batch.initial = stacked(region(initial_, initial_stock_, pools_.initial, options_.initial),
-                          some(path_, options_.initial, n, random));
+                          some(path_, options_.path, n, random));
   const Points obstacle = region(unsafe_, unsafe_stock_, pools_.unsafe, options_.unsafe);
   const Points margin = region(workspace_margin_, margin_stock_, pools_.unsafe, options_.unsafe);
   batch.unsafe.resize(obstacle.rows() + margin.rows(), n);

@@ -82,7 +82,7 @@ class BatchSampler {
   // Of the three, in many dimensions, where drawing from a thin set anew for each step would cost more than the step.
   Points initial_stock_, unsafe_stock_, margin_stock_;
   CounterexamplePools pools_;
-  Points path_;  // where the state has a phase: what motions from X0 pass
+  Points path_;  // [P, n]: what motions from X0 pass that are like the demonstrations
   Points near_band_, safe_, unsafe_rollouts_;
   Backtracked backtracked_;
   BoundaryPoints boundary_;

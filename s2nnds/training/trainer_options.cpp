@@ -31,6 +31,7 @@ void BatchOptions::visit(FieldVisitor& v) {
   v.field("start_jitter", start_jitter, at_least(0.0));
   v.field("workspace", workspace, at_least(1));
   v.field("initial", initial, at_least(1));
+  v.field("path", path, at_least(0));
   v.field("unsafe", unsafe, at_least(1));
   v.field("share_counterexamples", share_counterexamples, between(0.0, 1.0));
   v.field("share_band", share_band, between(0.0, 1.0));
@@ -90,6 +91,7 @@ TrainerOptions paper_training() {
                   .leak = 0.01};
   options.batch.demonstrations = options.batch.workspace = 512;
   options.batch.initial = options.batch.unsafe = 64;
+  options.batch.path = 0;
   options.batch.share_band = options.batch.share_goal = 0.0;
   return options;
 }

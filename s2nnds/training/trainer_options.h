@@ -67,7 +67,10 @@ struct BatchOptions {
   double start_jitter = 0.02;
   std::int64_t workspace = 256;  // samples of X a step, >= 1
   std::int64_t initial = 64;     // samples of X0 a step, >= 1
-  std::int64_t unsafe = 128;     // samples of Xu a step, >= 1, and as many of the workspace margin
+  // Samples of the demonstrations a step, >= 0, at which B is wanted as on X0: motions that start in X0 and follow them
+  // stay in {B <= 0}, whatever f is by then. Not within Xu.
+  std::int64_t path = 64;
+  std::int64_t unsafe = 128;  // samples of Xu a step, >= 1, and as many of the workspace margin
   // Of the samples of X, in [0, 1]: counterexamples, with a little jitter.
   double share_counterexamples = 0.3;
   double share_band = 0.25;  // of the samples of X, in [0, 1]: where B is nearly 0

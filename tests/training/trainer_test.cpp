@@ -243,13 +243,35 @@ TEST(Trainer, RefusesNetworksOfAnotherShape) {
   EXPECT_THROW(trainer.restore(state), Error);
 }
 
+TEST(BatchSampler, DrawsPointsForBAlongTheDemonstrationsButNotWithinTheObstacle) {
+  Fixture fixture;
+  ProblemOptions p;
+  p.frame = "normalised";
+  p.unsafe.type = "box";
+  const Vector through = fixture.demonstrations[0].position.row(400);
+  p.unsafe.lower = {through[0] - 0.1, through[1] - 0.1};
+  p.unsafe.upper = {through[0] + 0.1, through[1] + 0.1};
+  const SafetyProblem problem = make_problem(p, fixture.demonstrations, fixture.frame);
+  fixture.options.batch.path = 500;
+  RandomStream random(1, "test");
+  const BatchSampler sampler(problem, fixture.demonstrations, fixture.options);
+  const Points path = sampler.draw(random).initial.bottomRows(500);
+  EXPECT_GT(problem.unsafe->level(path).minCoeff(), 0.0);
+  EXPECT_LT(problem.unsafe->level(sampler.position()).minCoeff(), 0.0) << "f is fitted there";
+  for (Eigen::Index i = 0; i < path.rows(); ++i)
+    ASSERT_EQ((sampler.position().rowwise() - path.row(i)).rowwise().norm().minCoeff(), 0.0);
+  EXPECT_GT((problem.initial->level(path).array() > 0.0).count(), 400);
+  fixture.options.batch.path = 0;
+  EXPECT_EQ(BatchSampler(problem, fixture.demonstrations, fixture.options).draw(random).initial.rows(),
+            fixture.options.batch.initial);
+}
+
 TEST(BatchSampler, DrawsAlongTheDemonstrationsWhereThereIsAPhase) {
   Fixture fixture;
   RandomStream random(1, "test");
   const auto drawn = [&](const std::vector<Demonstration>& shown) {
     return BatchSampler(fixture.problem, shown, fixture.options).draw(random).initial;
   };
-  EXPECT_EQ(drawn(fixture.demonstrations).rows(), fixture.options.batch.initial);
   DemonstrationSet set = handwriting("Sine");
   fixture.frame = find_state(set, "phase", "max_abs", {"each"});
   fixture.demonstrations = fixture.frame.normalize(set.demonstrations);
@@ -257,7 +279,7 @@ TEST(BatchSampler, DrawsAlongTheDemonstrationsWhereThereIsAPhase) {
   p.frame = "normalised";
   fixture.problem = make_problem(p, fixture.demonstrations, fixture.frame);
   const Points more = drawn(fixture.demonstrations);
-  ASSERT_EQ(more.rows(), 2 * fixture.options.batch.initial);
+  ASSERT_EQ(more.rows(), fixture.options.batch.initial + fixture.options.batch.path);
   // B is asked for from the start to the goal.
   EXPECT_LT(more.col(2).minCoeff(), 0.2 * fixture.problem.phase_start);
   EXPECT_GT((fixture.problem.initial->level(more).array() > 0.0).count(), fixture.options.batch.initial / 2);
@@ -312,7 +334,8 @@ TEST(BatchSampler, DrawsEverySetFromItself) {
   const Batch batch = sampler.draw(random);
   EXPECT_EQ(batch.workspace.rows(), fixture.options.batch.workspace);
   EXPECT_LE(batch.workspace.cwiseAbs().maxCoeff(), 1.25);
-  EXPECT_LE(fixture.problem.initial->level(batch.initial).maxCoeff(), 0.0);
+  EXPECT_LE(fixture.problem.initial->level(batch.initial.topRows(fixture.options.batch.initial)).maxCoeff(),
+            0.0);
   const Vector in_ball = fixture.problem.unsafe->level(batch.unsafe),
                in_workspace_margin = fixture.problem.workspace_margin->level(batch.unsafe);
   EXPECT_LE(in_ball.cwiseMin(in_workspace_margin).maxCoeff(), 0.0);
