@@ -66,16 +66,6 @@ Points stacked(const Points& a, const Points& b) {
   return all;
 }
 
-// Of demonstrations through the obstacle, what lies deep inside it was kept.
-Points outside(const Region& unsafe, const Points& points) {
-  const Vector level = unsafe.level(points);
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index i = 0; i < points.rows(); ++i) {
-    if (level[i] > 0.0) rows.push_back(i);
-  }
-  return points(rows, Eigen::all);
-}
-
 void append(Points& pool, const Points& more) {
   if (more.rows() == 0) return;
   Points all(pool.rows() + more.rows(), more.cols());
@@ -97,11 +87,13 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
   check(shares <= 1.0, "training.batch: the shares add up to {}, expected at most 1", shares);
   const Points position = stack_positions(demonstrations), velocity = stack_velocities(demonstrations);
   std::vector<Eigen::Index> kept;
+  bool any_meets = false;
   Eigen::Index i = 0;
   for (const Demonstration& demonstration : demonstrations) {
     // A demonstration through the obstacle must be bent away from it, which takes room; but deep inside,
     // where no safe motion comes, f may follow it.
     const bool meets = problem.unsafe->level(demonstration.position).minCoeff() <= 0.0;
+    any_meets = any_meets || meets;
     const Vector near = Vector::Constant(problem.dimension(), margin), reach = (meets ? 2.0 : 1.0) * near;
     for (Eigen::Index k = 0; k < demonstration.samples(); ++k, ++i) {
       const Vector x = position.row(i);
@@ -123,8 +115,12 @@ BatchSampler::BatchSampler(const SafetyProblem& problem, const std::vector<Demon
   drawn_ = std::ssize(kept);
   position_ = all_position(kept, Eigen::all);
   velocity_ = stacked(velocity, beside.velocity)(kept, Eigen::all);
-  path_ = problem.has_phase() ? phase_path(problem, demonstrations)
-                              : outside(*problem.unsafe, position_.topRows(shown_));
+  path_ = Points(0, problem.dimension());
+  if (problem.has_phase()) {
+    path_ = phase_path(problem, demonstrations);
+  } else if (!any_meets) {
+    path_ = position_.topRows(shown_);
+  }
   jitter_ = (problem.initial->level(position_).array() <= 0.0)
                 .select(Vector::Constant(position_.rows(), options_.start_jitter), 0.0);
   if (options.loss.weight[LossTerm::obstacle_normal] > 0.0) {

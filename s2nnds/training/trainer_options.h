@@ -68,7 +68,7 @@ struct BatchOptions {
   std::int64_t workspace = 256;  // samples of X a step, >= 1
   std::int64_t initial = 64;     // samples of X0 a step, >= 1
   // Samples of the demonstrations a step, >= 0, at which B is wanted as on X0: motions that start in X0 and follow them
-  // stay in {B <= 0}, whatever f is by then. Not within Xu.
+  // stay in {B <= 0}, whatever f is by then. None where a demonstration meets Xu: motions turn aside there.
   std::int64_t path = 64;
   std::int64_t unsafe = 128;  // samples of Xu a step, >= 1, and as many of the workspace margin
   // Of the samples of X, in [0, 1]: counterexamples, with a little jitter.

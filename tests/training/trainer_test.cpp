@@ -243,27 +243,29 @@ TEST(Trainer, RefusesNetworksOfAnotherShape) {
   EXPECT_THROW(trainer.restore(state), Error);
 }
 
-TEST(BatchSampler, DrawsPointsForBAlongTheDemonstrationsButNotWithinTheObstacle) {
+TEST(BatchSampler, DrawsPointsForBAlongTheDemonstrationsUnlessOneMeetsTheObstacle) {
   Fixture fixture;
+  const std::int64_t in_X0 = fixture.options.batch.initial, on_path = fixture.options.batch.path = 500;
+  RandomStream random(1, "test");
+  const auto drawn = [&](const SafetyProblem& problem) {
+    return BatchSampler(problem, fixture.demonstrations, fixture.options).draw(random).initial;
+  };
+  const Points points = drawn(fixture.problem), shown = stack_positions(fixture.demonstrations);
+  ASSERT_EQ(points.rows(), in_X0 + on_path);
+  EXPECT_LE(fixture.problem.initial->level(points.topRows(in_X0)).maxCoeff(), 0.0);
+  const Points path = points.bottomRows(on_path);
+  for (Eigen::Index i = 0; i < path.rows(); ++i)
+    ASSERT_EQ((shown.rowwise() - path.row(i)).rowwise().norm().minCoeff(), 0.0);
+  EXPECT_GT((fixture.problem.initial->level(path).array() > 0.0).count(), 400);
+
   ProblemOptions p;
   p.frame = "normalised";
-  p.unsafe.type = "box";
-  const Vector through = fixture.demonstrations[0].position.row(400);
-  p.unsafe.lower = {through[0] - 0.1, through[1] - 0.1};
-  p.unsafe.upper = {through[0] + 0.1, through[1] + 0.1};
-  const SafetyProblem problem = make_problem(p, fixture.demonstrations, fixture.frame);
-  fixture.options.batch.path = 500;
-  RandomStream random(1, "test");
-  const BatchSampler sampler(problem, fixture.demonstrations, fixture.options);
-  const Points path = sampler.draw(random).initial.bottomRows(500);
-  EXPECT_GT(problem.unsafe->level(path).minCoeff(), 0.0);
-  EXPECT_LT(problem.unsafe->level(sampler.position()).minCoeff(), 0.0) << "f is fitted there";
-  for (Eigen::Index i = 0; i < path.rows(); ++i)
-    ASSERT_EQ((sampler.position().rowwise() - path.row(i)).rowwise().norm().minCoeff(), 0.0);
-  EXPECT_GT((problem.initial->level(path).array() > 0.0).count(), 400);
+  p.unsafe.type = "ball";
+  p.unsafe.center = {shown(400, 0), shown(400, 1)};
+  p.unsafe.radius = 0.01;
+  EXPECT_EQ(drawn(make_problem(p, fixture.demonstrations, fixture.frame)).rows(), in_X0);
   fixture.options.batch.path = 0;
-  EXPECT_EQ(BatchSampler(problem, fixture.demonstrations, fixture.options).draw(random).initial.rows(),
-            fixture.options.batch.initial);
+  EXPECT_EQ(drawn(fixture.problem).rows(), in_X0);
 }
 
 TEST(BatchSampler, DrawsAlongTheDemonstrationsWhereThereIsAPhase) {
