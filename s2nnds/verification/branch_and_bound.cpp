@@ -21,7 +21,6 @@ Eigen::Index batch_size(Eigen::Index count) {
   return std::clamp(count / share / least * least, least, most);
 }
 
-constexpr std::int32_t kMostCuts = 6;          // before the next look
 constexpr std::int64_t kLeastToExpect = 4000;  // boxes examined before it is told how many are needed
 constexpr double kTreeBytes = 10.0;            // a box examined, of a tree and of what is needed to write it
 
@@ -176,7 +175,7 @@ double limit_cuts(Level& level, const std::vector<Eigen::Index>& rows) {
   const double expected = parts_of(level, rows);
   for (Eigen::Index row : rows) {
     std::int32_t& cuts = level.cuts[static_cast<std::size_t>(row)];
-    cuts = std::min(cuts, kMostCuts);
+    cuts = std::min(cuts, most_cuts);
   }
   return expected;
 }

@@ -41,6 +41,9 @@ enum class BoxStatus : std::uint8_t {
   abandoned
 };
 
+// So often at most is a box bisected before the next look at its parts.
+inline constexpr std::int32_t most_cuts = 6;
+
 // Rows first, ..., first + count - 1 of boxes [N, n] and what is found out about them.
 struct BoxBatch {
   const Points& lower;             // [N, n] lower corners, normalised
@@ -52,8 +55,9 @@ struct BoxBatch {
   Vector& violation;               // [N] by how much, where refuted
   // [N] a number that a box leaves to its parts: what was left to it, +infinity at the start, unless changed.
   Vector& carried;
-  // [N] how often to bisect where undecided until it may be decided, as far as can be told; at least 1. So many times, six
-  // at most, it is bisected before the next look: looking at hopeless halves would cost as much as looking at others.
+  // [N] how often to bisect where undecided until it may be decided, as far as can be told; at least 1. So many times,
+  // most_cuts at most, it is bisected before the next look: looking at hopeless halves would cost as much as looking at
+  // others.
   std::vector<std::int32_t>& cuts;
 };
 
@@ -91,7 +95,7 @@ struct BranchProgress {
 };
 
 // Proves a statement on every box of the start [N, n] by examining boxes and bisecting the widest side of
-// those that stay undecided (as often as the examiner says, six times at most), level by level and in fixed batches, so that the
+// those that stay undecided (as often as the examiner says, most_cuts times at most), level by level and in fixed batches, so that the
 // result does not depend on the number of threads (unless the time limit strikes). `examiner` makes one
 // examiner for each thread; `progress` is called after each level. Throws Error on boxes that are not finite,
 // or when `lower` and `upper` differ in shape.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "s2nnds/core/check.h"
 #include "s2nnds/core/stopwatch.h"
@@ -69,7 +70,7 @@ class ConditionExaminer final : public BoxExaminer {
 
   void examine(BoxBatch& batch) override {
     std::vector<Eigen::Index> rows = where_it_applies(batch);
-    if (is_in_band()) rows = within_band(batch, rows);
+    if (is_in_band()) rows = ready_rows(batch, within_band(batch, rows));
     std::vector<Candidate> candidates;
     for_tiles(batch, rows, [&](const std::vector<Eigen::Index>& tile_rows) {
       const TileForm form = evaluate();
@@ -88,7 +89,7 @@ class ConditionExaminer final : public BoxExaminer {
         if (holds_in(at)) {
           batch.status[row] = BoxStatus::proved;
         } else {
-          batch.cuts[row] = useful_cuts(tile_.dimension(), best(at) + form.remainder(at), form.remainder(at));
+          cut(batch, row, useful_cuts(tile_.dimension(), best(at) + form.remainder(at), form.remainder(at)));
           consider(batch, row, form, at, candidates);
         }
       }
@@ -208,6 +209,29 @@ class ConditionExaminer final : public BoxExaminer {
       barriers_.push_back(barrier);
     });
     return kept;
+  }
+  // Of the many parts that a bound of Bdot may need, the band meets few: so a box is halved once along each axis, and until
+  // all cuts are done only B is looked at on the parts. How many are left is carried on.
+  void cut(BoxBatch& batch, Eigen::Index row, std::int32_t cuts) const {
+    const auto n = static_cast<std::int32_t>(tile_.dimension());
+    batch.cuts[row] = cuts;
+    if (!is_in_band() || n > kPatientDimensions || cuts <= n) return;
+    batch.cuts[row] = n;
+    batch.carried(row) = std::min(cuts, most_cuts) - n;
+  }
+  // The rows whose cuts are all done; the others go on with them.
+  std::vector<Eigen::Index> ready_rows(BoxBatch& batch, const std::vector<Eigen::Index>& rows) const {
+    constexpr double none = std::numeric_limits<double>::infinity();
+    std::vector<Eigen::Index> ready;
+    for (const Eigen::Index row : rows) {
+      const double left = std::exchange(batch.carried(row), none);
+      if (left == none) {
+        ready.push_back(row);
+      } else {
+        cut(batch, row, static_cast<std::int32_t>(left));
+      }
+    }
+    return ready;
   }
   // Above the residual where the condition asks for something.
   TileRow upper_where_asked(const TileForm& form, const std::vector<Eigen::Index>& tile_rows,
