@@ -14,8 +14,8 @@ namespace s2nnds {
 // The prover as a source of counterexamples: boxes that it cannot prove, and points that it refutes, go back
 // into training. Nothing found means that the conditions are proved on the whole workspace, and that Bdot < 0 on the band
 // withstands disturbances as large as the error of f in float32, so that the guarantee speaks of the exported policy
-// too. Whether V decreases, in space B, too, is asked only once all before it is proved. What was proved is not asked again while the networks
-// that it concerns stay as they were.
+// too. Whether V decreases, and in space whether B does, is asked only once all before it is proved. What was proved is
+// not asked again while the networks that it concerns stay as they were.
 class ProofSource : public CounterexampleSource {
  public:
   // `options`: limits of each proof; `keep`: points of each condition that are handed on, at most.

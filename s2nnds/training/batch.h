@@ -12,7 +12,7 @@ enum class Samples : std::size_t {
   workspace,        // of X
   demonstrations,   // and corrections; each with a velocity
   boundary,         // of the obstacle; each with the unit normal outwards
-  initial,          // of X0, and what demonstrations from there pass
+  initial,          // of X0, and along the demonstrations
   unsafe,           // of Xu, the workspace margin and the counterexamples of both
   safe,             // where rollouts are safe
   unsafe_rollouts,  // where rollouts are not safe, and along motions followed back into {B > 0}
@@ -30,7 +30,7 @@ struct BatchOf {
   T position,           // samples of the demonstrations, and corrections
       velocity,         // what f should be there
       workspace,        // points of X
-      initial,          // points of X0, and as many along the demonstrations from there
+      initial,          // points of X0, and some along the demonstrations
       unsafe,           // points of Xu, of the workspace margin and counterexamples of both
       safe,             // points whose rollouts are safe
       unsafe_rollouts,  // points whose rollouts are not safe, and of motions followed back into {B > 0}
