@@ -38,8 +38,8 @@ struct RoundPlan {
 //   nearly clean refines. Where a clean round's motions follow the demonstrations nearly, up to three rounds
 //   approach them as those of the next stage do.
 // - imitation_finetune: all three networks are trained with more weight on the demonstrations, so that f
-//   comes nearer to what it would be without conditions; until it is as near, seven rounds were kept, or three
-//   brought it no nearer.
+//   comes nearer to what it would be without conditions; until its error is 0.7 of the warm start's, or four rounds
+//   were kept.
 // - enlarge: B alone is trained, and rollout_safety weighs more, so that the safe set grows. It may lose 1 % in the
 //   first round, nothing in the last: on the way to a larger one it is often a little smaller.
 // The last two keep only rounds that end clean, and each one that does not makes the next one of its stage

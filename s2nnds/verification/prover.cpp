@@ -242,7 +242,8 @@ class ConditionExaminer final : public BoxExaminer {
       TileRow slope;  // at the centres, about
       for (const TileRow& row : barrier.gradient) slope += row.square();
       work_ = statement_.disturbance * slope.sqrt();
-      if (!(upper + work_ < 0.0).any()) return upper.max(0.0);  // no bound is needed
+      if (!(upper + work_ < 0.0).any())  // no bound is needed
+        return TileRow(TileRow::Constant(std::numeric_limits<double>::infinity()));
       work_ = most_work();
       return upper + work_;
     }
