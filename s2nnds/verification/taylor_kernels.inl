@@ -26,7 +26,9 @@ inline Lanes all(double x) { return Lanes{} + x; }
 // NaN in either argument of smaller and larger may get lost: their callers carry it along by other paths.
 inline Lanes smaller(Lanes x, Lanes y) { return x < y ? x : y; }
 inline Lanes larger(Lanes x, Lanes y) { return x > y ? x : y; }
-inline Lanes magnitude(Lanes x) { return x < 0.0 ? -x : x; }
+inline Lanes magnitude(Lanes x) {  // without the sign's bit
+  return Lanes(Words(x) & INT64_MAX);
+}
 
 // The coefficients' own errors: every value, first, second, third below is within this of the exact one, and every fourth
 // within four times this, times max(1, |z0|) where z0 enters as a factor.
@@ -160,9 +162,9 @@ inline void flatten_tanh(Lanes z0, Lanes radius, Expansion& e) {
   e.leave(flat);
 }
 
-inline void expand_tanh(Lanes z0, Lanes radius, Expansion& e) {
-  const Lanes t = tanh_of(z0), w = t * t;
-  e.value = t;
+// Where e.value is tanh(z0).
+inline void expand_tanh(Lanes radius, Expansion& e) {
+  const Lanes t = e.value, w = t * t;
   e.first = 1.0 - w;
   e.second = -2.0 * t * e.first;
   e.third = e.first * (6.0 * w - 2.0);
@@ -171,7 +173,20 @@ inline void expand_tanh(Lanes z0, Lanes radius, Expansion& e) {
   tanh_range(t, radius, low, high);
   remainders(radius, all(1.0), tanh_second_bound(low, high), tanh_third_bound(low, high),
              tanh_fourth_bound(low, high), tanh_fifth_bound(low), 1.0, 1.5397, 2.6667, e);
-  if (any_above(radius, 0.75)) flatten_tanh(z0, radius, e);
+}
+
+// In short loops, of which the processor works on several turns at once: one turn of all this is a long chain.
+inline void expand_tanh(ptrdiff_t count, const Lanes* z0, const Lanes* radius, Expansion* e) {
+  Lanes widest = all(0.0);
+  for (ptrdiff_t k = 0; k < count; ++k) e[k].value = tanh_of(z0[k]);
+  for (ptrdiff_t k = 0; k < count; ++k) {
+    expand_tanh(radius[k], e[k]);
+    widest = larger(widest, radius[k]);
+  }
+  if (!any_above(widest, 0.75)) return;
+  for (ptrdiff_t k = 0; k < count; ++k) {
+    if (any_above(radius[k], 0.75)) flatten_tanh(z0[k], radius[k], e[k]);
+  }
 }
 
 // s = 1 / (1 + exp(-z)) = (1 + tanh(z / 2)) / 2, so that s'' and its derivatives are tanh's, scaled.
@@ -301,12 +316,10 @@ inline void expand_identity(Lanes z0, Lanes radius, Expansion& e) {
       e.first_rest = 0.0 * radius;
 }
 
-inline void expand_lanes(Activation activation, Lanes z0, Lanes radius, Expansion& e) {
+inline void expand_other(Activation activation, Lanes z0, Lanes radius, Expansion& e) {
   switch (activation) {
     case Activation::identity:
       return expand_identity(z0, radius, e);
-    case Activation::tanh:
-      return expand_tanh(z0, radius, e);
     case Activation::elu:
       return expand_elu(z0, radius, e);
     case Activation::softplus:
@@ -315,15 +328,24 @@ inline void expand_lanes(Activation activation, Lanes z0, Lanes radius, Expansio
       return expand_silu(z0, radius, e);
     case Activation::sine:
       return expand_sine(z0, radius, e);
+    case Activation::tanh:
+      break;
   }
   e.value = e.first = e.second = e.third = e.fourth = e.value_error = e.linear_error = e.first_error =
       e.value_rest = e.first_rest = all(__builtin_nan(""));
 }
 
+// `count` neurons: z0, radius and e [count].
+void expand_lanes(Activation activation, ptrdiff_t count, const Lanes* z0, const Lanes* radius, Expansion* e) {
+  if (activation == Activation::tanh) return expand_tanh(count, z0, radius, e);
+  for (ptrdiff_t k = 0; k < count; ++k) expand_other(activation, z0[k], radius[k], e[k]);
+}
+
 void expand(Activation activation, const double* z0, const double* radius, ActivationExpansion& result) {
   for (ptrdiff_t t = 0; t < tile_boxes; t += lanes<double>) {
     Expansion e;
-    expand_lanes(activation, load(z0 + t), load(radius + t), e);
+    const Lanes center = load(z0 + t), reach = load(radius + t);
+    expand_lanes(activation, 1, &center, &reach, &e);
     store(result.value + t, e.value);
     store(result.first + t, e.first);
     store(result.second + t, e.second);
@@ -386,27 +408,51 @@ inline void add_square(double* hessian, Lanes weight, const double* p, ptrdiff_t
   }
 }
 
+// What comes into a neuron: z - z0 = line + deviation = line + quadratic + r, as sizes; and its derivative.
+struct Reach {
+  Reach(const double* model, Lanes remainder, const double* half, ptrdiff_t n)
+      : line(spread(model + tile_boxes, half, n)),
+        deviation((quadratic_size(model + (1 + n) * tile_boxes, half, n) + remainder) * slack),
+        radius((line + deviation) * slack) {}
+  Lanes line, deviation, radius;
+};
+
+// Neurons that are taken through an activation together.
+constexpr ptrdiff_t together = 8;
+
 void activate(const LayerTile& layer) {
   const ptrdiff_t n = layer.dimension, columns = 1 + n + n * (n + 1) / 2;
   const ptrdiff_t block = columns * tile_boxes, row = layer.streams * block, hessian = (1 + n) * tile_boxes;
+  Lanes z0[together], radii[together];
+  Expansion expansions[together];
   for (ptrdiff_t t = 0; t < tile_boxes; t += lanes<double>) {
     const double* half = layer.half + t;
     Lanes largest = all(0.0);
     for (ptrdiff_t s = 1; s < layer.streams; ++s) store(layer.magnitude_out + s * tile_boxes + t, all(0.0));
     for (ptrdiff_t i = 0; i < layer.width; ++i) {
+      const ptrdiff_t k = i % together;
+      if (k == 0) {
+        const ptrdiff_t count = i + together < layer.width ? together : layer.width - i;
+        for (ptrdiff_t j = 0; j < count; ++j) {
+          const double* z = layer.z + (i + j) * row + t;
+          const Lanes r = complete_remainder(layer, i + j, 0, t);
+          store(layer.z_remainder + (i + j) * layer.streams * tile_boxes + t, r);
+          z0[j] = load(z);
+          radii[j] = Reach(z, r, half, n).radius;
+        }
+        expand_lanes(layer.activation, count, z0, radii, expansions);
+      }
       const double* z = layer.z + i * row + t;
       double* a = layer.a + i * row + t;
       double* kept = layer.expansion + i * kept_rows * tile_boxes + t;
       double* z_remainder = layer.z_remainder + i * layer.streams * tile_boxes + t;
       double* out_remainder = layer.a_remainder + i * layer.streams * tile_boxes + t;
       // z - z0 = linear + quadratic + r = linear + deviation, as sizes.
-      const Lanes r = complete_remainder(layer, i, 0, t);
+      const Lanes r = load(z_remainder), radius = radii[k];
       const Lanes linear = spread(z + tile_boxes, half, n), quadratic = quadratic_size(z + hessian, half, n);
-      const Lanes deviation = (quadratic + r) * slack, radius = (linear + deviation) * slack;
+      const Lanes deviation = (quadratic + r) * slack;
       const Lanes square_error = deviation * (linear + radius);  // of (z - z0)^2 against linear^2
-      store(z_remainder, r);
-      Expansion e;
-      expand_lanes(layer.activation, load(z), radius, e);
+      const Expansion& e = expansions[k];
       store(kept, e.first);
       store(kept + tile_boxes, e.second);
       store(kept + 2 * tile_boxes, e.third);
@@ -474,15 +520,6 @@ inline void add_cubic(double* cubic, const double* factor, const double* p, cons
     }
   }
 }
-
-// What comes into a neuron: z - z0 = line + deviation = line + quadratic + r, as sizes; and its derivative.
-struct Reach {
-  Reach(const double* model, const double* remainder, const double* half, ptrdiff_t n)
-      : line(spread(model + tile_boxes, half, n)),
-        deviation((quadratic_size(model + (1 + n) * tile_boxes, half, n) + load(remainder)) * slack),
-        radius((line + deviation) * slack) {}
-  Lanes line, deviation, radius;
-};
 
 // Above |u^2 - line^2| and |u^3 - line^3| for u = z - z0.
 inline Lanes square_error(const Reach& u) { return u.deviation * (u.line + u.radius); }
@@ -554,7 +591,7 @@ void pull_back(const LayerTile& layer, const PullBackTile& tile) {
                    *kept = layer.expansion + i * kept_rows * tile_boxes + t,
                    *r = layer.z_remainder + i * layer.streams * tile_boxes + t;
       const Lanes first = load(kept), second = load(kept + tile_boxes), third = load(kept + 2 * tile_boxes);
-      const Reach u(z, r, half, n);
+      const Reach u(z, load(r), half, n);
       const Adjoint alpha(tile.adjoint_a + at, half, n);
       double* passed = tile.adjoint_z + at;
       pull_value(alpha, u, kept, sums);
@@ -564,7 +601,7 @@ void pull_back(const LayerTile& layer, const PullBackTile& tile) {
       Lanes passed_size = magnitude(first) * (alpha.size + alpha.tilt) + magnitude(curvature) * u.line;
       if (layer.streams == 2) {
         const double *rate = z + block, *rate_slope = rate + tile_boxes;
-        const Reach v(rate, r + tile_boxes, half, n);
+        const Reach v(rate, load(r + tile_boxes), half, n);
         const Adjoint rho(tile.adjoint_a + at + adjoint_row, half, n);
         const Lanes rate0 = load(rate);
         pull_rate(rho, u, v, rate0, kept, sums);
