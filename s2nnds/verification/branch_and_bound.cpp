@@ -17,9 +17,13 @@ namespace {
 // Boxes in a batch: of a small level few, so that it has some for every thread; of a large one many, since tiles that are
 // filled from what is left of a batch are not full. A function of the level alone, so that results are.
 Eigen::Index batch_size(Eigen::Index count) {
-  constexpr Eigen::Index least = 2 * tile_boxes, most = 128, share = 16;
+  constexpr Eigen::Index least = tile_boxes, most = 128, share = 8;
   return std::clamp(count / share / least * least, least, most);
 }
+
+// Fewer boxes than fill a tile for each of two threads take as long as these: so boxes are cut more often where a level would
+// be smaller.
+constexpr double kLeastLevel = 2.0 * tile_boxes;
 
 constexpr std::int64_t kLeastToExpect = 4000;  // boxes examined before it is told how many are needed
 constexpr double kTreeBytes = 10.0;            // a box examined, of a tree and of what is needed to write it
@@ -170,12 +174,17 @@ double bytes_of(const Level& level, double parts, const OpenBoxes& open) {
                            (static_cast<double>(open.count()) + parts) * left_open);
 }
 
-// Cuts these boxes so often, and not more at once than is worth it. Returns how many boxes that seems to end in.
+// Cuts these boxes so often, but not more at once than is worth it, and into no smaller level than kLeastLevel. Returns how
+// many boxes they seem to end in.
 double limit_cuts(Level& level, const std::vector<Eigen::Index>& rows) {
   const double expected = parts_of(level, rows);
   for (Eigen::Index row : rows) {
     std::int32_t& cuts = level.cuts[static_cast<std::size_t>(row)];
     cuts = std::min(cuts, most_cuts);
+  }
+  if (rows.empty()) return expected;
+  for (double parts = parts_of(level, rows); 2.0 * parts <= kLeastLevel; parts *= 2.0) {
+    for (Eigen::Index row : rows) ++level.cuts[static_cast<std::size_t>(row)];
   }
   return expected;
 }

@@ -66,7 +66,8 @@ class ConditionExaminer final : public BoxExaminer {
                      statement.condition == Condition::barrier_decrease),
         enclosure_(is_lyapunov() ? *statement.functions.V : *statement.functions.B,
                    along_field_ ? statement.functions.f.get() : nullptr),
-        tile_(statement.problem.dimension()) {}
+        tile_(statement.problem.dimension()),
+        barrier_(statement.problem.dimension()) {}
 
   void examine(BoxBatch& batch) override {
     std::vector<Eigen::Index> rows = where_it_applies(batch);
@@ -211,36 +212,39 @@ class ConditionExaminer final : public BoxExaminer {
     return kept;
   }
   // Of the many parts that a bound of Bdot may need, the band meets few: so a box is halved once along each axis, and until
-  // all cuts are done only B is looked at on the parts. How many are left is carried on.
+  // all cuts are done only B is looked at on the parts. How large they are then is carried on.
   void cut(BoxBatch& batch, Eigen::Index row, std::int32_t cuts) const {
     const auto n = static_cast<std::int32_t>(tile_.dimension());
     batch.cuts[row] = cuts;
     if (!is_in_band() || n > kPatientDimensions || cuts <= n) return;
     batch.cuts[row] = n;
-    batch.carried(row) = std::min(cuts, most_cuts) - n;
+    batch.carried(row) = volume(batch, row) * std::exp2(-std::min(cuts, most_cuts));
   }
   // The rows whose cuts are all done; the others go on with them.
   std::vector<Eigen::Index> ready_rows(BoxBatch& batch, const std::vector<Eigen::Index>& rows) const {
-    constexpr double none = std::numeric_limits<double>::infinity();
     std::vector<Eigen::Index> ready;
     for (const Eigen::Index row : rows) {
-      const double left = std::exchange(batch.carried(row), none);
-      if (left == none) {
+      const double wanted = std::exchange(batch.carried(row), std::numeric_limits<double>::infinity());
+      const double parts = volume(batch, row) / wanted;  // 0 where nothing was carried
+      if (parts < 1.5) {
         ready.push_back(row);
       } else {
-        cut(batch, row, static_cast<std::int32_t>(left));
+        cut(batch, row, static_cast<std::int32_t>(std::lround(std::log2(parts))));
       }
     }
     return ready;
+  }
+  static double volume(const BoxBatch& batch, Eigen::Index row) {
+    return (batch.upper.row(row) - batch.lower.row(row)).prod();
   }
   // Above the residual where the condition asks for something.
   TileRow upper_where_asked(const TileForm& form, const std::vector<Eigen::Index>& tile_rows,
                             Eigen::Index first) {
     if (is_in_band()) {
-      const TileForm barrier = barrier_of(tile_rows, first);
-      const TileRow upper = upper_within(form, barrier, statement_.level_band, tile_);
+      barrier_ = barrier_of(tile_rows, first);
+      const TileRow upper = upper_within(form, barrier_, statement_.level_band, tile_);
       TileRow slope;  // at the centres, about
-      for (const TileRow& row : barrier.gradient) slope += row.square();
+      for (const TileRow& row : barrier_.gradient) slope += row.square();
       work_ = statement_.disturbance * slope.sqrt();
       if (!(upper + work_ < 0.0).any())  // no bound is needed
         return TileRow(TileRow::Constant(std::numeric_limits<double>::infinity()));
@@ -315,7 +319,13 @@ class ConditionExaminer final : public BoxExaminer {
       if (!(sign * form.polynomial(tile_, lane, point) > form.remainder(lane))) return;
     }
     point = point.cwiseMax(batch.lower.row(row).transpose()).cwiseMin(batch.upper.row(row).transpose());
-    candidates.push_back({row, std::move(point)});
+    if (is_asked_at(point, lane)) candidates.push_back({row, std::move(point)});
+  }
+  // Whether the condition asks for something at this point of the lane's box; of the band, probably.
+  bool is_asked_at(const Vector& point, Eigen::Index lane) const {
+    if (location({point, point}) != Location::inside) return false;
+    return !is_in_band() || std::abs(barrier_.polynomial(tile_, lane, point)) - barrier_.remainder(lane) <=
+                                statement_.level_band;
   }
 
   // Evaluates the candidates rigorously, as boxes without extent.
@@ -336,10 +346,7 @@ class ConditionExaminer final : public BoxExaminer {
         const auto lane = static_cast<Eigen::Index>(i);
         const bool violated =
             allows_zero(statement_.condition) ? violation(lane) > 0.0 : violation(lane) >= 0.0;
-        if (!violated || !(size(lane) <= statement_.level_band) ||
-            location({candidate.point, candidate.point}) != Location::inside) {
-          continue;
-        }
+        if (!violated || !(size(lane) <= statement_.level_band)) continue;
         batch.status[candidate.row] = BoxStatus::refuted;
         batch.witness.row(candidate.row) = candidate.point.transpose();
         batch.violation(candidate.row) = violation(lane);
@@ -360,6 +367,7 @@ class ConditionExaminer final : public BoxExaminer {
   bool negated_, along_field_;
   ScalarEnclosure enclosure_;
   BoxTile tile_;
+  TileForm barrier_;  // B on tile_, where the band was looked at
 };
 
 // The workspace, and for containment its faces.

@@ -58,12 +58,14 @@ TEST(BranchAndBound, PartsCoverTheStartHoweverOftenItIsCut) {
   }
 }
 
+// The first level's one box is cut into as many parts as fill a level, 16.
 TEST(BranchAndBound, CutsSaveTheLooksBetween) {
-  const BranchResult one = cut(1, {}), three = cut(3, {});
+  const BranchResult one = cut(1, {}), three = cut(3, {}), five = cut(5, {});
   EXPECT_EQ(one.open_boxes, 64);  // 2 * 1 * 0.5, cubes with sides of 0.25
-  EXPECT_EQ(three.open_boxes, 64);
-  EXPECT_EQ(one.boxes, 127);
-  EXPECT_EQ(three.boxes, 1 + 8 + 64);
+  EXPECT_EQ(three.open_boxes, 16 * 8);
+  EXPECT_EQ(one.boxes, 1 + 16 + 32 + 64);
+  EXPECT_EQ(three.boxes, 1 + 16 + 16 * 8);
+  EXPECT_EQ(five.boxes, 1 + 32 + 32 * 32);
 }
 
 TEST(BranchAndBound, StopsAfterTheLevelOfTheFirstAbandonedBox) {
@@ -99,11 +101,11 @@ TEST(BranchAndBound, StopsSoManyBoxesAfterTheFirstRefutedOne) {
     return branch_and_bound(
         Points::Zero(1, 2), Points::Ones(1, 2), [] { return std::make_unique<CornerRefuter>(); }, limits);
   };
-  // Levels of 1, 2, 4, 8, 16 boxes; one of the last is refuted, 30 go on.
-  EXPECT_EQ(run(0).boxes, 31);
-  EXPECT_EQ(run(15).boxes, 31);
-  EXPECT_EQ(run(16).boxes, 31 + 30);
-  EXPECT_EQ(run(16 + 30).boxes, 31 + 30 + 60);
+  // Levels of 1 and 16 boxes; one of the last is refuted, the parts of the others go on.
+  EXPECT_EQ(run(0).boxes, 17);
+  EXPECT_EQ(run(15).boxes, 17);
+  EXPECT_EQ(run(16).boxes, 17 + 30);
+  EXPECT_EQ(run(16 + 30).boxes, 17 + 30 + 60);
   const BranchResult result = run(0);
   EXPECT_TRUE(result.stopped);
   EXPECT_FALSE(result.proved);
