@@ -421,22 +421,24 @@ void NetworkFunction::add_norm_rate(const BoxTile& tile, const TileModels& direc
   backward(tile, memory, &adjoint, q);
 }
 
-IntervalMatrix NetworkFunction::jacobian(double half) const {
-  const Eigen::Index n = input_dimension(), m = maps_.back().weight.rows(), block = 2 * columns();
-  BoxTile cube(n);
-  for (TileRow& row : cube.half) row.setConstant(half);
+std::vector<IntervalMatrix> NetworkFunction::jacobians(const TileRow& half) const {
+  const Eigen::Index n = input_dimension(), m = maps_.back().weight.rows();
+  BoxTile tile(n);
+  for (TileRow& row : tile.half) row = half;
   const std::unique_ptr<Workspace> scratch = workspace();
   Memory& memory = static_cast<Memory&>(*scratch);
-  IntervalMatrix result(m, n);
-  for (Eigen::Index axis = 0; axis < n; ++axis) {
-    TileModels direction(n, n);
-    direction.value(axis).setOnes();
-    forward(cube, &direction, memory);
-    for (Eigen::Index i = 0; i < m; ++i) {
-      const TileRow* rate = &memory.a[i * block + columns()];
-      const double radius = memory.a_remainder[2 * i + 1](0) + linear_size(rate + 1, cube)(0) +
-                            quadratic_size(rate + 1 + n, cube)(0) + underflow;
-      result(i, axis) = Interval(rate[0](0)) + radius * slack * Interval(-1.0, 1.0);
+  forward_along_axes(tile, memory);
+  std::vector<IntervalMatrix> result(tile_boxes, IntervalMatrix(m, n));
+  for (Eigen::Index i = 0; i < m; ++i) {
+    for (Eigen::Index axis = 0; axis < n; ++axis) {
+      const Eigen::Index at = i * memory.streams + 1 + axis;
+      const TileRow* rate = &memory.a[at * columns()];
+      const TileRow radius = (memory.a_remainder[at] + linear_size(rate + 1, tile) +
+                              quadratic_size(rate + 1 + n, tile) + underflow) *
+                             slack;
+      for (Eigen::Index lane = 0; lane < tile_boxes; ++lane)
+        result[static_cast<std::size_t>(lane)](i, axis) =
+            Interval(rate[0](lane)) + radius(lane) * Interval(-1.0, 1.0);
     }
   }
   return result;
@@ -465,18 +467,21 @@ bool NetworkFunction::vanishes_at_goal() const {
 
 // Along the ray from 0 to x: N(x) - N(0) = (integral of the Jacobian) x, and the integral lies in the convex
 // hull.
-std::optional<IntervalMatrix> NetworkFunction::goal_factor(double half) const {
-  if (stack_.head == Head::squared_norm || !vanishes_at_goal()) return std::nullopt;
-  return jacobian(half);
+std::vector<IntervalMatrix> NetworkFunction::goal_factors(const TileRow& half) const {
+  if (stack_.head == Head::squared_norm || !vanishes_at_goal()) return {};
+  return jacobians(half);
 }
 
-std::optional<IntervalMatrix> NetworkFunction::goal_gradient_factor(double half) const {
-  if (stack_.head != Head::squared_norm) return std::nullopt;
+std::vector<IntervalMatrix> NetworkFunction::goal_gradient_factors(const TileRow& half) const {
+  if (stack_.head != Head::squared_norm) return {};
   // grad |N(x) - N(0)|^2 = 2 J(x)' P(x) x, both J and P in the Jacobian over the cube.
-  const IntervalMatrix j = jacobian(half);
-  IntervalMatrix factor = j.transposed() * j;
-  for (Eigen::Index d = 0; d < factor.rows(); ++d) factor(d, d) += stack_.quadratic;
-  return 2.0 * factor;
+  std::vector<IntervalMatrix> factors = jacobians(half);
+  for (IntervalMatrix& factor : factors) {
+    factor = factor.transposed() * factor;
+    for (Eigen::Index d = 0; d < factor.rows(); ++d) factor(d, d) += stack_.quadratic;
+    factor = 2.0 * factor;
+  }
+  return factors;
 }
 
 bool NetworkFunction::is_positive_by_construction() const {

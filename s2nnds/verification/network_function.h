@@ -28,8 +28,8 @@ class NetworkFunction final : public TaylorFunction {
   void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const override;
   void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                       std::vector<TileRow>& adjoint, TileForm& q) const override;
-  std::optional<IntervalMatrix> goal_factor(double half) const override;
-  std::optional<IntervalMatrix> goal_gradient_factor(double half) const override;
+  std::vector<IntervalMatrix> goal_factors(const TileRow& half) const override;
+  std::vector<IntervalMatrix> goal_gradient_factors(const TileRow& half) const override;
   bool is_positive_by_construction() const override;
   double growth(double reach) const override;
   bool vanishes_at_goal() const override;
@@ -55,8 +55,8 @@ class NetworkFunction final : public TaylorFunction {
   // `direction`.
   void backward(const BoxTile& tile, Memory& memory, std::vector<TileRow>* direction, TileForm& q) const;
   LayerTile layer_tile(const BoxTile& tile, std::size_t k, Memory& memory) const;
-  // The Jacobian of the layers' output N over the cube, [m, n].
-  IntervalMatrix jacobian(double half) const;
+  // The Jacobian of the layers' output N over each of the cubes, [m, n].
+  std::vector<IntervalMatrix> jacobians(const TileRow& half) const;
   void subtract_offset(Memory& memory) const;
   void clear_adjoint(Memory& memory) const;
   void norm_gradient(const BoxTile& tile, const Memory& memory, Eigen::Index axis,

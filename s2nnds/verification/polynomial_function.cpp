@@ -256,30 +256,34 @@ bool PolynomialFunction::vanishes_at_zero(const Partial& partial) {
 }
 
 // Along the ray from 0 to x: p(x) = (integral of grad p) . x, which lies in the hull of grad p over the cube.
-std::optional<IntervalMatrix> PolynomialFunction::goal_factor(double half) const {
-  IntervalMatrix factor(output_dimension(), dimension_);
-  for (Eigen::Index i = 0; i < output_dimension(); ++i) {
-    const Partials& partials = outputs_[static_cast<std::size_t>(i)];
-    if (!vanishes_at_zero(partials[0][0])) return std::nullopt;
-    for (const Partial& partial : partials[1]) factor(i, partial.axes[0]) = on_cube(partial, half);
+std::vector<IntervalMatrix> PolynomialFunction::goal_factors(const TileRow& half) const {
+  if (!vanishes_at_goal()) return {};
+  std::vector<IntervalMatrix> factors(tile_boxes, IntervalMatrix(output_dimension(), dimension_));
+  for (std::size_t lane = 0; lane < factors.size(); ++lane) {
+    for (Eigen::Index i = 0; i < output_dimension(); ++i) {
+      for (const Partial& partial : outputs_[static_cast<std::size_t>(i)][1])
+        factors[lane](i, partial.axes[0]) = on_cube(partial, half(static_cast<Eigen::Index>(lane)));
+    }
   }
-  return factor;
+  return factors;
 }
 
-std::optional<IntervalMatrix> PolynomialFunction::goal_gradient_factor(double half) const {
+std::vector<IntervalMatrix> PolynomialFunction::goal_gradient_factors(const TileRow& half) const {
   const Partials& partials = outputs_.front();
   for (int order : {0, 1}) {
     for (const Partial& partial : partials[static_cast<std::size_t>(order)]) {
-      if (!vanishes_at_zero(partial)) return std::nullopt;
+      if (!vanishes_at_zero(partial)) return {};
     }
   }
-  IntervalMatrix factor(dimension_, dimension_);
-  for (const Partial& partial : partials[2]) {
-    const Interval entry = on_cube(partial, half);
-    factor(partial.axes[0], partial.axes[1]) = entry;
-    factor(partial.axes[1], partial.axes[0]) = entry;
+  std::vector<IntervalMatrix> factors(tile_boxes, IntervalMatrix(dimension_, dimension_));
+  for (std::size_t lane = 0; lane < factors.size(); ++lane) {
+    for (const Partial& partial : partials[2]) {
+      const Interval entry = on_cube(partial, half(static_cast<Eigen::Index>(lane)));
+      factors[lane](partial.axes[0], partial.axes[1]) = entry;
+      factors[lane](partial.axes[1], partial.axes[0]) = entry;
+    }
   }
-  return factor;
+  return factors;
 }
 
 }  // namespace s2nnds

@@ -27,8 +27,8 @@ class PolynomialFunction final : public TaylorFunction {
   void add_value(const BoxTile& tile, Workspace& workspace, TileForm& q) const override;
   void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                       std::vector<TileRow>& adjoint, TileForm& q) const override;
-  std::optional<IntervalMatrix> goal_factor(double half) const override;
-  std::optional<IntervalMatrix> goal_gradient_factor(double half) const override;
+  std::vector<IntervalMatrix> goal_factors(const TileRow& half) const override;
+  std::vector<IntervalMatrix> goal_gradient_factors(const TileRow& half) const override;
   double growth(double reach) const override;
   bool vanishes_at_goal() const override;
 

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "s2nnds/core/points.h"
@@ -177,12 +176,12 @@ class TaylorFunction {
   virtual void add_derivative(const BoxTile& tile, Workspace& workspace, const TileModels& direction,
                               std::vector<TileRow>& adjoint, TileForm& q) const = 0;
 
-  // Around the goal, over the cube |x|_inf <= half: [m, n] such that y(x) = A(x) x with A(x) in it; nothing
-  // unless y(0) = 0 exactly.
-  virtual std::optional<IntervalMatrix> goal_factor(double half) const = 0;
-  // Scalar functions only: [n, n] such that grad y(x) = G(x) x with G(x) in it, for all x of the cube;
-  // nothing unless y(0) = 0 and grad y(0) = 0 exactly. Then also y(x) = x' S(x) x with 2 S(x) in it.
-  virtual std::optional<IntervalMatrix> goal_gradient_factor(double half) const = 0;
+  // Around the goal, for each of the T cubes |x|_inf <= half: [m, n] such that y(x) = A(x) x with A(x) in it; none unless
+  // y(0) = 0 exactly.
+  virtual std::vector<IntervalMatrix> goal_factors(const TileRow& half) const = 0;
+  // Scalar functions only, [n, n] for each cube: grad y(x) = G(x) x with G(x) in it, for all x of the cube; none unless y(0) = 0
+  // and grad y(0) = 0 exactly. Then also y(x) = x' S(x) x with 2 S(x) in it.
+  virtual std::vector<IntervalMatrix> goal_gradient_factors(const TileRow& half) const = 0;
   // Whether y(0) = 0 exactly, in every output, for a reason that needs no arithmetic.
   virtual bool vanishes_at_goal() const = 0;
   // Scalar functions only: y(0) = 0 and y > 0 elsewhere for a reason that needs no boxes.

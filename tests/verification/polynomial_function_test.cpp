@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "s2nnds/verification/goal_neighbourhood.h"
 #include "s2nnds/verification/network_function.h"
 #include "s2nnds/verification/prover.h"
 #include "tests/verification/exact_network.h"
@@ -182,6 +183,22 @@ std::vector<Polynomial> published(const nlohmann::json& result, const char* key)
   std::vector<Polynomial> polynomials;
   for (const std::string& line : lines) polynomials.push_back(Polynomial::from_text(line, 2));
   return polynomials;
+}
+
+// f = -x + k x^3 and V = |x|^2: f' lies in [-1, -1 + 3 k h^2] on |x| <= h, so that Vdot < 0 is seen below h = 1 / sqrt(3 k).
+TEST(PolynomialFunction, GoalCubesAreTheLargestThatHold) {
+  const auto cube = [](double k) {
+    Vector coefficients(2);
+    coefficients << -1.0, k;
+    const Polynomial x(coefficients, (Eigen::MatrixXi(2, 2) << 1, 0, 3, 0).finished()),
+        y(coefficients, (Eigen::MatrixXi(2, 2) << 0, 1, 0, 3).finished()),
+        lyapunov(Vector::Ones(2), (Eigen::MatrixXi(2, 2) << 2, 0, 0, 2).finished());
+    return decreasing_cube(PolynomialFunction({x, y}), PolynomialFunction({lyapunov}), 0.08);
+  };
+  EXPECT_EQ(cube(0.0), 0.08);
+  EXPECT_EQ(cube(100.0), 0.04);         // 0.0577
+  EXPECT_EQ(cube(1e8), 0.08 / 2048.0);  // 5.8e-5: the twelfth half
+  EXPECT_EQ(cube(1e16), 0.0);           // 5.8e-9
 }
 
 // The published ABC-DS motion on PShape, on [-1, 1]^2: it goes through, and what fails has a witness.
