@@ -47,12 +47,12 @@ struct VectorFieldOptions {
 //   scalar: V = phi, a network without biases (profile paper). In general grad V(0) is not 0, so V < 0
 //     somewhere arbitrarily near the goal, which samples may miss.
 struct LyapunovOptions {
-  MlpOptions network = {.hidden = {64, 64}};  // phi
+  MlpOptions network = {.hidden = {32, 32}};  // phi
   // squared_norm: V(x) = |phi(x) - phi(0)|^2 + quadratic |x|^2; scalar: V = phi, `bias` must be false;
   // diffeomorphism: V(x) = |x + phi(x) - phi(0)|^2, phi with `lipschitz`, not silu; auto: diffeomorphism where f is
   // projected, else squared_norm
   std::string form = "auto";
-  std::int64_t features = 32;  // squared_norm: outputs of phi, 1 to 4,096
+  std::int64_t features = 16;  // squared_norm: outputs of phi, 1 to 4,096
   double quadratic = 0.05;     // squared_norm: the weight of |x|^2, eps_V, > 0
   // diffeomorphism: the product of the layers' spectral norms, which is at least the Lipschitz constant of phi, is
   // kept below this in training; in (0, 1)
@@ -64,7 +64,8 @@ struct LyapunovOptions {
 // The barrier function B: R^n -> R; {B <= 0} is the safe set. A steep first layer lets {B = 0} turn sharp
 // corners, so that it follows obstacles, and motions that pass them closely, at a small distance.
 struct BarrierOptions {
-  MlpOptions network = {.first_layer_gain = 4.0, .first_layer_bias = 1.0};  // B itself
+  // B itself
+  MlpOptions network = {.hidden = {48, 48, 48}, .first_layer_gain = 4.0, .first_layer_bias = 1.0};
   // >= 0, in 1 / normalised length, 0: none. In the plane, where the first layer has tanh and biases, one neuron for each side of
   // the box that is to hold {B <= 0} begins along that side, so steep: {B <= 0} comes closer to it. Elsewhere not in use; in
   // space such a B took more rounds to certify.

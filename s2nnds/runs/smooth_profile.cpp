@@ -12,8 +12,6 @@ MlpOptions smooth_network(const std::vector<std::int64_t>& hidden) {
 
 void make_smooth(Config& config) {
   config.networks.f.network = smooth_network({32, 32, 32});
-  config.networks.V.network = {.hidden = {32, 32}};
-  config.networks.V.features = 16;
   config.networks.B = {.network = smooth_network({32, 32}), .wall_slope = 0.0};
 
   TrainerOptions& training = config.training;

@@ -29,7 +29,8 @@ while read -r kernels expected; do
     --set training.rounds=3 --set training.min_rounds=3 --set training.steps=40 --set training.warm_start.steps=300 \
     --set training.warm_start.attempts=1 \
     --set training.warm_start.rate=0.002 --set training.warm_start.weight_decay=0.1 \
-    --set training.obstacle_margin=0.05 --set networks.B.wall_slope=0 --set training.batch.path=0 --set 'verification.method="sampled"' \
+    --set training.obstacle_margin=0.05 --set networks.B.wall_slope=0 --set 'networks.B.hidden=[64, 64, 64]' \
+    --set 'networks.V.hidden=[64, 64]' --set networks.V.features=32 --set training.batch.path=0 --set 'verification.method="sampled"' \
     --set verification.sampled.samples=2000 --set evaluation.area_cells=20 --set evaluation.grid_points=21 \
     --out "$work/$kernels.h5" --json </dev/null >"$work/answer" 2>"$work/log" || code=$?
   # 3: trained, but not verified, as after so few steps.
