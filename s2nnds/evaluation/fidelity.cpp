@@ -50,13 +50,15 @@ Shown shown_path(const Demonstration& demonstration, const SafetyProblem& proble
 // Distances, over the first `judged` coordinates, of the places of a path [M, n] from those that are shown; 0 where they
 // do not count.
 Points distances(const Points& path, const Shown& shown, Eigen::Index judged) {
-  Points distance(path.rows(), kPlaces);
+  const Points place = shown.place.leftCols(judged).transpose();  // coordinates beside each other, which is faster
+  Points distance = Points::Zero(path.rows(), kPlaces);
+  for (Eigen::Index i = 0; i < path.rows(); ++i) {
+    for (Eigen::Index d = 0; d < judged; ++d)
+      distance.row(i).array() += (place.row(d).array() - path(i, d)).square();
+  }
+  distance = distance.cwiseSqrt();
   for (Eigen::Index j = 0; j < kPlaces; ++j) {
-    if (shown.counts[j]) {
-      distance.col(j) = (path.leftCols(judged).rowwise() - shown.place.row(j).head(judged)).rowwise().norm();
-    } else {
-      distance.col(j).setZero();
-    }
+    if (!shown.counts[j]) distance.col(j).setZero();
   }
   return distance;
 }
