@@ -50,7 +50,8 @@ Shown shown_path(const Demonstration& demonstration, const SafetyProblem& proble
 // Distances, over the first `judged` coordinates, of the places of a path [M, n] from those that are shown; 0 where they
 // do not count.
 Points distances(const Points& path, const Shown& shown, Eigen::Index judged) {
-  const Points place = shown.place.leftCols(judged).transpose();  // coordinates beside each other, which is faster
+  const Points place =
+      shown.place.leftCols(judged).transpose();  // coordinates beside each other, which is faster
   Points distance = Points::Zero(path.rows(), kPlaces);
   for (Eigen::Index i = 0; i < path.rows(); ++i) {
     for (Eigen::Index d = 0; d < judged; ++d)
@@ -120,9 +121,14 @@ struct Reference {
   std::vector<double> limits;
 
   Reference(const SafetyProblem& sets, const std::vector<Demonstration>& motions, double limit, double margin)
-      : problem(sets), demonstrations(motions), shown(shown_paths(motions, sets, margin)) {
-    for (std::size_t k = 0; k < shown.size(); ++k)
-      limits.push_back(limit_of(shown, k, limit, problem.places()));
+      : problem(sets),
+        demonstrations(motions),
+        shown(shown_paths(motions, sets, margin)),
+        limits(shown.size()) {
+    parallel_for(std::ssize(shown), [&](std::ptrdiff_t at, int) {
+      const auto k = static_cast<std::size_t>(at);
+      limits[k] = limit_of(shown, k, limit, problem.places());
+    });
   }
 
   Deviation from(std::size_t k, const Points& path) const {
@@ -144,6 +150,25 @@ struct Reference {
     const Vector factor = displacement_along(led.place);
     led.place += factor * (start - led.place.row(0));
     return led;
+  }
+
+  // Of the motions from the demonstrations' first points.
+  std::vector<Deviation> from_shown(const std::vector<Points>& paths) const {
+    std::vector<Deviation> all(paths.size());
+    parallel_for(std::ssize(paths), [&](std::ptrdiff_t at, int) {
+      const auto k = static_cast<std::size_t>(at);
+      all[k] = from(k, paths[k]);
+    });
+    return all;
+  }
+  // Of the motions from starts that were not shown.
+  std::vector<Deviation> from_starts(const std::vector<Points>& paths, const Points& starts) const {
+    std::vector<Deviation> all(paths.size());
+    parallel_for(std::ssize(paths), [&](std::ptrdiff_t at, int) {
+      const auto i = static_cast<std::size_t>(at);
+      all[i] = from_best(paths[i], starts.row(at));
+    });
+    return all;
   }
 
   // Of the motion from a start that was not shown.
@@ -231,10 +256,7 @@ std::vector<Deviation> deviations(const StateFunction& f, const SafetyProblem& p
                                   const std::vector<Demonstration>& demonstrations, double limit,
                                   double margin, const RolloutOptions& options) {
   const Reference reference(problem, demonstrations, limit, margin);
-  const std::vector<Points> paths = paths_from(first_points(demonstrations), f, problem, options);
-  std::vector<Deviation> all;
-  for (std::size_t k = 0; k < paths.size(); ++k) all.push_back(reference.from(k, paths[k]));
-  return all;
+  return reference.from_shown(paths_from(first_points(demonstrations), f, problem, options));
 }
 
 std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProblem& problem,
@@ -243,11 +265,7 @@ std::vector<Deviation> start_deviations(const StateFunction& f, const SafetyProb
                                         const RolloutOptions& options) {
   check(!demonstrations.empty(), "fidelity: found no demonstrations, expected at least one");
   const Reference reference(problem, demonstrations, limit, margin);
-  const std::vector<Points> paths = paths_from(starts, f, problem, options);
-  std::vector<Deviation> all;
-  for (Eigen::Index i = 0; i < starts.rows(); ++i)
-    all.push_back(reference.from_best(paths[static_cast<std::size_t>(i)], starts.row(i)));
-  return all;
+  return reference.from_starts(paths_from(starts, f, problem, options), starts);
 }
 
 VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& problem,
@@ -258,10 +276,11 @@ VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& prob
   CorrectionList list;
   const auto strays = [](const Deviation& found) { return !(found.mean <= kStrays * found.limit); };
   const std::vector<Points> shown = paths_from(first_points(demonstrations), f, problem, options);
+  const std::vector<Deviation> found_shown = reference.from_shown(shown);
   std::vector<int> times;  // that each demonstration is shown
   bool one_strays = false, all_follow = true;
   for (std::size_t k = 0; k < shown.size(); ++k) {
-    const Deviation found = reference.from(k, shown[k]);
+    const Deviation& found = found_shown[k];
     const bool counts = !reference.leads_into_unsafe(k, shown[k]);
     if (counts && strays(found)) one_strays = true;
     if (counts && !found.follows()) all_follow = false;
@@ -273,9 +292,10 @@ VelocityTargets corrections_of(const StateFunction& f, const SafetyProblem& prob
   // Starts that were not shown are led as demonstrations go, so these come first.
   if (!all_follow) return list.list(problem.dimension());
   const std::vector<Points> paths = paths_from(starts, f, problem, options);
+  const std::vector<Deviation> found = reference.from_starts(paths, starts);
   for (Eigen::Index i = 0; i < starts.rows(); ++i) {
     const Points& path = paths[static_cast<std::size_t>(i)];
-    if (!strays(reference.from_best(path, starts.row(i)))) continue;
+    if (!strays(found[static_cast<std::size_t>(i)])) continue;
     const std::size_t k = nearest_start(demonstrations, starts.row(i).transpose());
     list.add(path, reference.displaced(k, starts.row(i)), velocities_along(demonstrations[k]),
              problem.has_phase());
