@@ -87,7 +87,7 @@ struct TrainerOptions {
   std::string engine = "fused";     // what computes losses and gradients: fused, autograd (the reference)
   std::int64_t rounds = 40;         // rounds that search for a certificate, at most; >= 1
   std::int64_t min_rounds = 1;      // first that may end the search, >= 1
-  std::int64_t steps = 250;         // Adam steps a round, >= 1; twice as many in five and more dimensions
+  std::int64_t steps = 300;         // Adam steps a round, >= 1; twice as many in five and more dimensions
   double rate_f = 1e-3;             // Adam's rate for f, > 0
   double rate_certificates = 5e-3;  // Adam's rate for V and B, > 0
   double rate_decay = 0.9;          // factor of the rates from round to round, in (0, 1]
