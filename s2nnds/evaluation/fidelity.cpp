@@ -50,8 +50,7 @@ Shown shown_path(const Demonstration& demonstration, const SafetyProblem& proble
 // Distances, over the first `judged` coordinates, of the places of a path [M, n] from those that are shown; 0 where they
 // do not count.
 Points distances(const Points& path, const Shown& shown, Eigen::Index judged) {
-  const Points place =
-      shown.place.leftCols(judged).transpose();  // coordinates beside each other, which is faster
+  const Points place = shown.place.leftCols(judged).transpose();  // by coordinates, which is faster
   Points distance = Points::Zero(path.rows(), kPlaces);
   for (Eigen::Index i = 0; i < path.rows(); ++i) {
     for (Eigen::Index d = 0; d < judged; ++d)

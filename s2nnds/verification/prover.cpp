@@ -226,7 +226,7 @@ class ConditionExaminer final : public BoxExaminer {
     for (const Eigen::Index row : rows) {
       const double wanted = std::exchange(batch.carried(row), std::numeric_limits<double>::infinity());
       const double parts = volume(batch, row) / wanted;  // 0 where nothing was carried
-      if (parts < 1.5) {
+      if (!(parts >= 1.5)) {
         ready.push_back(row);
       } else {
         cut(batch, row, static_cast<std::int32_t>(std::lround(std::log2(parts))));
