@@ -92,7 +92,7 @@ TEST_F(CertifiedScope, OfAProjectedFHoldsItsStability) {
   std::string& resolved = record.config.resolved;
   replace(resolved, "form = \"plain\"", "form = \"projected\"\ndecay = 0.3");
   replace(resolved, "form = \"squared_norm\"", "form = \"diffeomorphism\"");
-  replace(resolved, "features = 32\n", "");
+  replace(resolved, "features = 16\n", "");
   replace(resolved, "quadratic = 0.05\n", "lipschitz = 0.95\n");
   replace(resolved, "method = \"proof\"", "method = \"sampled\"");
   const PreparedRun setup = prepare(record);
