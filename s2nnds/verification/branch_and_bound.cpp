@@ -21,9 +21,9 @@ Eigen::Index batch_size(Eigen::Index count) {
   return std::clamp(count / share / least * least, least, most);
 }
 
-// Fewer boxes than fill a tile for each of two threads take as long as these: so boxes are cut more often where a level would
-// be smaller.
-constexpr double kLeastLevel = 2.0 * tile_boxes;
+// Up to so many boxes, which fill a tile for each of two threads, take as long as fewer: small levels are filled up to it by
+// more cuts, as far as doubling goes.
+constexpr double kFullLevel = 2.0 * tile_boxes;
 
 constexpr std::int64_t kLeastToExpect = 4000;  // boxes examined before it is told how many are needed
 constexpr double kTreeBytes = 10.0;            // a box examined, of a tree and of what is needed to write it
@@ -174,8 +174,8 @@ double bytes_of(const Level& level, double parts, const OpenBoxes& open) {
                            (static_cast<double>(open.count()) + parts) * left_open);
 }
 
-// Cuts these boxes so often, but not more at once than is worth it, and into no smaller level than kLeastLevel. Returns how
-// many boxes they seem to end in.
+// Cuts these boxes so often, but not more at once than is worth it, and a small level's more often. Returns how many boxes
+// they seem to end in.
 double limit_cuts(Level& level, const std::vector<Eigen::Index>& rows) {
   const double expected = parts_of(level, rows);
   for (Eigen::Index row : rows) {
@@ -183,7 +183,7 @@ double limit_cuts(Level& level, const std::vector<Eigen::Index>& rows) {
     cuts = std::min(cuts, most_cuts);
   }
   if (rows.empty()) return expected;
-  for (double parts = parts_of(level, rows); 2.0 * parts <= kLeastLevel; parts *= 2.0) {
+  for (double parts = parts_of(level, rows); 2.0 * parts <= kFullLevel; parts *= 2.0) {
     for (Eigen::Index row : rows) ++level.cuts[static_cast<std::size_t>(row)];
   }
   return expected;

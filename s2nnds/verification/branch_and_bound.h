@@ -57,7 +57,7 @@ struct BoxBatch {
   Vector& carried;
   // [N] how often to bisect where undecided until it may be decided, as far as can be told; at least 1. So many times,
   // most_cuts at most, it is bisected before the next look: looking at hopeless halves would cost as much as looking at
-  // others. More often where the next level would be smaller than 16 boxes: small levels take as long.
+  // others. All of a level's are bisected more often where the next one would have 8 boxes or fewer: up to 16 take as long.
   std::vector<std::int32_t>& cuts;
 };
 
